@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.contracts.arrays import Vec
 from mimics_app.maths import quat
 from mimics_app.maths.quat import Quat
-from mimics_app.maths.vec import Vec, cross, norm, normalise, unit
+from mimics_app.maths.vec import cross, norm, normalise, unit
 
 __all__ = [
     "Mat4",

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.maths.vec import Vec, unit
+from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import unit
 
 __all__ = [
     "IDENTITY",

@@ -65,7 +65,6 @@ SHARED = {
     "tables": "tables for analysis: of a run, of a study",
     "textures": "images of surfaces",
     "trackers": "trackers of head and hands",
-    "triples": "three-vectors as tuples",
     "upper_body": "a body from trackers of head and hands",
     "worker": "the main function of a process of its own",
 }

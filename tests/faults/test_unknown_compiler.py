@@ -28,7 +28,7 @@ from mimics_app.compiled.atomics import load_acquire, store_release
 from mimics_app.compiled.borrowed import borrowed
 from mimics_app.compiled.kernel import kernel, typed_kernel
 from mimics_app.contracts.loop.loop_ports import FIELD
-from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.maths.vec import norm
 from typing import NamedTuple
 
 

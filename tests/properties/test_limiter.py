@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits, decay, limit_force
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.vectors import norm
 
 REST = np.zeros(3)
 SHARES = np.zeros(2)

@@ -35,10 +35,10 @@ from mimics_app.contracts.loop.loop_ports import (
     FIELD,
     FIELDS,
 )
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
 from mimics_app.rendering.haptic.kernels.state import STATE
-from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.loop_tick import SIMULATION, TICK, tick
 from mimics_app.rendering.haptic.no_objects import NO_FIELDS, load_simulation, no_objects
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS

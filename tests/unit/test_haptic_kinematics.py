@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from mimics_app.maths.vec import clamp_joints
 from mimics_app.rendering.haptic.kernels import kinematics as kin
-from mimics_app.rendering.haptic.kernels.vectors import clamp_joints
 
 D1 = 0.46
 RANDOM_POSES = 20_000

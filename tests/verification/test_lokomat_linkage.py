@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 from mimics_app.rendering.haptic.kernels.lokomat.linkage import (
-    LinkagePose,
     angle_of,
     eta_of,
     lever,
     lever_rate,
-    pose_of,
 )
 
 A, B = 0.31, 0.08
@@ -37,14 +35,6 @@ def test_shaft_lever_and_its_rate_are_those_of_the_geometry(offset, turned):
         assert angle_of(link, near[1]) == pytest.approx(theta, abs=1e-12)
         assert lever(link, theta) == pytest.approx((near[2] - near[0]) / (2 * h), abs=1e-10)
         assert lever_rate(link, theta) == pytest.approx((near[2] - 2 * near[1] + near[0]) / h**2, abs=1e-5)
-
-
-def test_singular_poses_are_named():
-    link = _link(1.2, 1.0)
-    assert pose_of(link, eta_of(link, 0.0)) == LinkagePose.REGULAR
-    assert pose_of(link, A - B + 1e-5) == LinkagePose.FOLDED
-    assert pose_of(link, A + B - 1e-5) == LinkagePose.STRETCHED
-    assert pose_of(link, A + B + 1e-5) == pose_of(link, A - B - 1e-5) == LinkagePose.BEYOND
 
 
 def test_shaft_lengths_beyond_the_linkage_give_its_end_poses():

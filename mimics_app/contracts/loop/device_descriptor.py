@@ -36,7 +36,6 @@ __all__ = [
     "RATES",
     "TORQUE",
     "TO_ROBOT",
-    "TO_TOOL",
     "VELOCITY",
     "DeviceDescriptor",
     "Dynamics",
@@ -67,13 +66,13 @@ class KinematicsStatus(IntEnum):
     NOT_GIVEN = 3  # no closed form; `out` is unchanged
 
 
-FORWARD, JACOBIAN, INVERSE, VELOCITY, TORQUE, RATES, TO_ROBOT, TO_TOOL = range(8)
+FORWARD, JACOBIAN, INVERSE, VELOCITY, TORQUE, RATES, TO_ROBOT = range(7)
 """Indices of the functions in a device's `Kinematics`."""
 
 Kin = tuple[Callable[..., int], ...]
 """Functions of a device in the loop, in that order."""
 
-KINEMATICS_SET = types.UniTuple(types.FunctionType(KINEMATICS), 8)  # type: ignore[no-untyped-call]
+KINEMATICS_SET = types.UniTuple(types.FunctionType(KINEMATICS), 7)  # type: ignore[no-untyped-call]
 """Compiled type of a device's functions: first-class, so that the loop's code does not depend on the device."""
 
 
@@ -84,7 +83,7 @@ def not_given(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
 
 
 class Kinematics(NamedTuple):
-    """Functions of a device, in the order of FORWARD .. TO_TOOL.
+    """Functions of a device, in the order of FORWARD .. TO_ROBOT.
 
     Attributes:
         forward: Points x at joints q [m]; `given` is unused.
@@ -94,7 +93,6 @@ class Kinematics(NamedTuple):
         torque: J^T f of given forces on the points: forces [N] of prismatic, torques [N m] of revolute joints.
         rates: Joint velocities at given velocities of the points.
         to_robot: Forces from the sensor frame to the robot frame; absent: the frames are equal.
-        to_tool: Inverse of `to_robot`.
     """
 
     forward: Callable[..., Any]
@@ -104,7 +102,6 @@ class Kinematics(NamedTuple):
     torque: Callable[..., Any] = not_given
     rates: Callable[..., Any] = not_given
     to_robot: Callable[..., Any] = not_given
-    to_tool: Callable[..., Any] = not_given
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,19 +19,19 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import AdmittanceForm
 from mimics_app.lab.experiment import Experiment, Outcome, Row, largest_disagreement, points_of
+from mimics_app.maths.vec import copy, norm
 from mimics_app.rendering.haptic.kernels.admittance import VirtualMass, admit
 from mimics_app.rendering.haptic.kernels.kinematics import apply_jacobian, forward
-from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 __all__ = ["EXPERIMENT", "exact_flight", "fly"]
 
 
 _D1 = 0.46
-_MASS = 3.0
-_RADIAL_SPEED = 0.2
-_SECONDS = 0.5
-_DT = 1e-3
-_FREE = 1e9
+_MASS = 3.0  # virtual mass [kg]
+_RADIAL_SPEED = 0.2  # [m/s]
+_SECONDS = 0.5  # length of the free flight [s]
+_DT = 1e-3  # tick [s]
+_FREE = 1e9  # limit that is never reached
 
 _KEPT = {AdmittanceForm.CARTESIAN: 1e-12, AdmittanceForm.POLAR: 5e-3}
 """Largest share of its energy that a corrected form may gain or lose in 0.5 s at 1 ms and 2 rad/s."""

@@ -29,6 +29,7 @@ from mimics_app.contracts.loop.object_rows import Rows
 from mimics_app.contracts.shared_memory.session_memory import ControlWord
 from mimics_app.contracts.shared_memory.shared_words import STOP_STRIDE
 from mimics_app.contracts.shared_memory.triple_buffer import acquire
+from mimics_app.maths.vec import rotate_back
 from mimics_app.rendering.haptic.channels import CHANNELS, WORK, Channels, Work
 from mimics_app.rendering.haptic.kernels import tick as ticking
 from mimics_app.rendering.haptic.kernels.safety import (
@@ -41,7 +42,6 @@ from mimics_app.rendering.haptic.kernels.safety import (
 )
 from mimics_app.rendering.haptic.kernels.spoiled_data import ORDERS, is_deaf, spoil
 from mimics_app.rendering.haptic.kernels.state import STATE
-from mimics_app.rendering.haptic.kernels.vectors import rotate_back
 from mimics_app.rendering.haptic.objects import OBJECT_WORK, ROWS, SIMULATE
 from mimics_app.rendering.haptic.publish import prefetch_sample, publish_events, publish_state
 from mimics_app.rendering.haptic.struck import publish_forces

@@ -9,12 +9,12 @@ from mimics_app.compiled.record_copy import copy_front
 from mimics_app.contracts.loop.haptic import EventKind
 from mimics_app.contracts.shared_memory.ring import prefetch_front, push, push_front
 from mimics_app.contracts.shared_memory.triple_buffer import back_slot, publish
+from mimics_app.maths.vec import copy, fill, norm
 from mimics_app.rendering.haptic.channels import Channels, Work
 from mimics_app.rendering.haptic.kernels.event_points import event_body
 from mimics_app.rendering.haptic.kernels.objects.published import write_poses
 from mimics_app.rendering.haptic.kernels.rows import sample_bytes, snapshot_bytes, write_snapshot
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN, CONTACT_ENDED
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Rows, SceneRecord, ShapeRecord, StateRecord, Table

@@ -8,6 +8,7 @@ from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop.object_rows import Rows
+from mimics_app.maths.vec import all_finite
 from mimics_app.rendering.haptic.kernels.objects.bodies import place_bodies, step_bodies
 from mimics_app.rendering.haptic.kernels.objects.collisions import collide_bodies
 from mimics_app.rendering.haptic.kernels.objects.force_effects import apply_effects
@@ -23,7 +24,6 @@ from mimics_app.rendering.haptic.kernels.objects.shape_poses import pose_shapes
 from mimics_app.rendering.haptic.kernels.objects.totals import clear_totals
 from mimics_app.rendering.haptic.kernels.objects.touch import touch_points
 from mimics_app.rendering.haptic.kernels.objects.wires import carry_signals
-from mimics_app.rendering.haptic.kernels.vectors import all_finite
 from mimics_app.rendering.haptic.objects import SIMULATE, ObjectWork
 
 if TYPE_CHECKING:

@@ -7,6 +7,7 @@ import numpy as np
 from mimics_app.compiled.kernel import typed_kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.loop_ports import FIELD
+from mimics_app.maths.vec import dot
 
 __all__ = ["curl", "saddle", "well"]
 
@@ -48,7 +49,7 @@ def well(parameters: Vec, p: Vec, v: Vec, t: float, out: Vec) -> None:
     f, w = parameters[0], parameters[1]
     share = 0.0
     if w > 0.0:
-        square = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) / (w * w)
+        square = dot(p, p) / (w * w)
         share = -f / w * np.exp(0.5 * (1.0 - square))
     for i in range(3):
         out[i] = share * p[i]

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.contact_force import FOLLOWED
 from mimics_app.contracts.shared_memory.ring import push
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.event_points import event_body, event_point
 from mimics_app.rendering.haptic.kernels.state import CONTACT_BEGAN
-from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.channels import Channels, Work

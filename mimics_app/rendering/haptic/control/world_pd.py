@@ -1,4 +1,4 @@
-"""World space PD controller (D2.1 4.2.6): the seed's form through inverse kinematics, and the straight path."""
+"""World space PD controller (D2.1 4.2.6): through inverse kinematics, as D2.1 has it, or along a straight path."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.device_descriptor import Kin, KinematicsStatus
+from mimics_app.maths.vec import clamp_joints, copy
 from mimics_app.rendering.haptic.control.joint_pd import joint_pd
 from mimics_app.rendering.haptic.kernels.joints import joints_of, points_of, rates_of, velocities_of
-from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ControlInputRecord, ControlWorkRecord
@@ -23,7 +23,7 @@ def world_pd_through_joints(
 ) -> int:
     """Inverse kinematics (2), then joint PD (5), as in 4.2.6.
 
-    Although the mask says world space, the gains are joint gains: equal ones give a straight line in joint space, on
+    Although D2.1 calls it world space, the gains are joint gains: equal ones give a straight line in joint space, on
     the HapticMaster an arc in the world: a sweep of +-0.5 rad at r = 0.46 m deviates r (1 - cos 0.5) = 56 mm from its
     chord. A target beyond the joint limits is approached as far as they allow.
 

@@ -60,12 +60,6 @@ def _to_robot(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
     return KinematicsStatus.DONE
 
 
-@typed_kernel(KINEMATICS)
-def _to_tool(geometry: Vec, q: Vec, given: Vec, out: Vec) -> int:
-    kinematics.robot_to_tool(q, given, out)
-    return KinematicsStatus.DONE
-
-
 def axis_offset(robot: Any) -> float:
     """Return d1 of equation (1) [m]: `axis_offset` of a robot component, else stroke / 2 + offset."""
     return float(robot.stroke / 2.0 + robot.offset if robot.axis_offset is None else robot.axis_offset)
@@ -78,7 +72,7 @@ HAPTICMASTER = DeviceDescriptor(
         Joint("vertical", "m", -0.20, 0.20, velocity=1.0, acceleration=50.0),
     ),
     contacts=("hand",),
-    kinematics=Kinematics(_forward, _jacobian, _inverse, _velocity, _torque, _rates, _to_robot, _to_tool),
+    kinematics=Kinematics(_forward, _jacobian, _inverse, _velocity, _torque, _rates, _to_robot),
     geometry=lambda robot: (axis_offset(robot),),
     polar=True,
 )

@@ -43,6 +43,7 @@ from mimics_app.contracts.loop.loop_ports import (
     READ,
     WRITE,
 )
+from mimics_app.maths.vec import all_finite, clamp_norm, fill
 from mimics_app.rendering.haptic.devices.hapticmaster_text import (
     ERROR,
     HEADER,
@@ -70,7 +71,6 @@ from mimics_app.rendering.haptic.kernels.kinematics import (
     inverse,
     robot_to_tool,
 )
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, fill
 
 __all__ = [
     "AXIS_OFFSET",

@@ -16,12 +16,12 @@ from mimics_app.contracts.loop.loop_ports import (
     READ,
     DevicePlugin,
 )
+from mimics_app.maths.vec import clamp_norm, copy, fill
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import write_robot, write_robot_memory
 from mimics_app.rendering.haptic.kernels.robot import HANDLE, ROBOT_LENGTH, TICK, sense, step_robot
-from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, fill
 
 __all__ = [
     "COUPLING_FORCE",

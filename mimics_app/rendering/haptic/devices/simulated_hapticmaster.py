@@ -15,6 +15,7 @@ from mimics_app.contracts.loop.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.maths.vec import all_finite
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.dynamics import ENCODER_QUANTUM, servo_dynamics
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
@@ -31,7 +32,6 @@ from mimics_app.rendering.haptic.kernels.robot import (
     sense,
     step_robot,
 )
-from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_hapticmaster", "read_patient", "write_robot", "write_robot_memory"]
 

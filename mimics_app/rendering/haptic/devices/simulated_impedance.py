@@ -13,6 +13,7 @@ from mimics_app.contracts.loop.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.maths.vec import all_finite
 from mimics_app.rendering.haptic.descriptors.hapticmaster import axis_offset
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import LIGHT_ENCODER, LIGHT_MASS, force_dynamics
@@ -29,7 +30,6 @@ from mimics_app.rendering.haptic.kernels.light_robot import (
     sense_position,
     step_light_robot,
 )
-from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_impedance", "write_force"]
 

@@ -21,6 +21,7 @@ from mimics_app.contracts.loop.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.maths.vec import all_finite
 from mimics_app.rendering.haptic.descriptors.leg import LENGTHS
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import (
@@ -43,7 +44,6 @@ from mimics_app.rendering.haptic.kernels.leg_kinematics import (
 )
 from mimics_app.rendering.haptic.kernels.leg_machine import LENGTH, order_leg, sense_leg, step_leg
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
-from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["build_simulated_leg", "read_legs", "write_legs"]
 

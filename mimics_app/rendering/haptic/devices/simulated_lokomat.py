@@ -24,6 +24,7 @@ from mimics_app.contracts.loop.loop_ports import (
     WRITE,
     DevicePlugin,
 )
+from mimics_app.maths.vec import all_finite
 from mimics_app.rendering.haptic.descriptors.segments import HEIGHT, WEIGHT, Segments, segments_of
 from mimics_app.rendering.haptic.devices.device_settings import write_settings
 from mimics_app.rendering.haptic.devices.dynamics import LOKOMAT_CURRENT_LAG, LOKOMAT_NAME, lokomat_dynamics
@@ -36,7 +37,6 @@ from mimics_app.rendering.haptic.kernels.leg_kinematics import GEOMETRY, foot_to
 from mimics_app.rendering.haptic.kernels.lokomat import gait_person, linkage, orthosis, treadmill
 from mimics_app.rendering.haptic.kernels.lokomat import linear_drive as drive
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
-from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["PLANT", "SETTINGS", "build_simulated_lokomat", "read_lokomat", "write_lokomat"]
 

@@ -15,12 +15,12 @@ from mimics_app.contracts.loop.loop_ports import (
     INBOX_TARGET,
     INBOX_TRIAL,
 )
+from mimics_app.maths.vec import all_finite
 from mimics_app.rendering.haptic.devices.patients import impairment_of, write_arm
 from mimics_app.rendering.haptic.devices.request import DeviceRequest
 from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.arm import step_arm
 from mimics_app.rendering.haptic.kernels.noise import seed_noise, uniform
-from mimics_app.rendering.haptic.kernels.vectors import all_finite
 
 __all__ = ["move_person", "write_person"]
 

@@ -18,6 +18,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
+from mimics_app.maths.vec import copy, dot, fill, norm, rotate, rotate_back, scale
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share
 from mimics_app.rendering.haptic.kernels.contact_limits import common_share, is_pressed
 from mimics_app.rendering.haptic.kernels.controller_slot import moves_mass
@@ -26,7 +27,6 @@ from mimics_app.rendering.haptic.kernels.oscillation import begin_swing
 from mimics_app.rendering.haptic.kernels.passivity_control import contact_scale, middle_velocity, stored_share
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_rendered, is_stopped, latch
 from mimics_app.rendering.haptic.kernels.tunnels import share_in_touch
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill, norm, rotate, rotate_back, scale
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table, TotalsRecord, TouchedRecord
@@ -303,7 +303,7 @@ def _stored_share(state: StateRecord, totals: TotalsRecord, energy: float, v: Ve
         spring += acting.shape_share * totals.stiffness * totals.depth
         depth = max(depth, totals.depth)
     size, share = norm(f), state.ramp * state.swing.calm
-    step = (f[0] * v[0] + f[1] * v[1] + f[2] * v[2]) * dt / size
+    step = dot(f, v) * dt / size
     return stored_share(energy, share * spring, share * size, depth, step)
 
 

@@ -21,12 +21,12 @@ from typing import NamedTuple
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic import AdmittanceForm
+from mimics_app.maths.vec import clamp_norm, norm, scale
 from mimics_app.rendering.haptic.kernels.kinematics import (
     apply_inverse_jacobian,
     apply_jacobian,
     tool_to_robot,
 )
-from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, norm, scale
 
 __all__ = ["VirtualMass", "acceleration_cartesian", "acceleration_polar", "acceleration_seed", "admit", "limit_motion"]
 

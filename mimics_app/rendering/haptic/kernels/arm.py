@@ -20,8 +20,8 @@ import math
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import copy, fill
 from mimics_app.rendering.haptic.kernels.noise import gauss, uniform
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 __all__ = [
     "AIM_ERROR",

@@ -16,12 +16,11 @@ The printed equations and their corrections:
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill
+from mimics_app.maths.vec import copy, dot, fill, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ContactRecord
@@ -124,12 +123,12 @@ def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
         radius: r [m], plus the radius of the HIP's ball.
         contact: Record of `CONTACT`, updated.
     """
-    distance = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+    distance = norm(p)
     if distance >= radius:
         leave(p, contact)
         return
     n = contact.normal
-    along = p[0] * n[0] + p[1] * n[1] + p[2] * n[2]
+    along = dot(p, n)
     if contact.inside and along < 0.0:
         contact.depth = radius - along
     else:
@@ -147,7 +146,7 @@ def sphere(p: Vec, v: Vec, radius: float, contact: ContactRecord) -> None:
 @kernel
 def _against(v: Vec, n: Vec) -> None:
     """Set n = -v / |v|, or +z for v = 0."""
-    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    speed = norm(v)
     for i in range(3):
         n[i] = -v[i] / speed if speed > 0.0 else 0.0
     if speed == 0.0:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.acting import drop_force
 from mimics_app.rendering.haptic.kernels.safety import is_stopped, latch
-from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table

@@ -24,10 +24,10 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
+from mimics_app.maths.vec import copy
 from mimics_app.rendering.haptic.kernels.closed_region import share_of, sides_of, stiffness_limit
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise, largest
 from mimics_app.rendering.haptic.kernels.stability import LARGEST_MARGIN, margin_of
-from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import RegionRecord, SpanRecord, TouchedRecord

@@ -19,6 +19,7 @@ from mimics_app.contracts.loop.device_descriptor import Kin
 from mimics_app.contracts.loop.gait_state import GaitState
 from mimics_app.contracts.loop.haptic import SafetyState, TripCause
 from mimics_app.contracts.loop.loop_fields import MAX_JOINTS
+from mimics_app.maths.vec import all_finite, clamp_norm, copy, fill, norm, scale
 from mimics_app.rendering.haptic.kernels.acting import drop_force, payable_share, tank_level
 from mimics_app.rendering.haptic.kernels.admittance import limit_motion
 from mimics_app.rendering.haptic.kernels.controller_slot import drives_to_target, moves_mass, person_leads
@@ -39,7 +40,6 @@ from mimics_app.rendering.haptic.kernels.limiter import (
     limit_torques,
 )
 from mimics_app.rendering.haptic.kernels.safety import HOLD, is_stopped, latch
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, clamp_norm, copy, fill, norm, scale
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table

@@ -17,14 +17,13 @@ from mimics_app.contracts.loop.device_descriptor import (
     JACOBIAN,
     RATES,
     TO_ROBOT,
-    TO_TOOL,
     TORQUE,
     VELOCITY,
     Kin,
     KinematicsStatus,
 )
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.solve import solve_positive
-from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ControlWorkRecord, Description
@@ -36,7 +35,6 @@ __all__ = [
     "rates_of",
     "share_below",
     "to_robot",
-    "to_tool",
     "torques_of",
     "velocities_of",
 ]
@@ -213,13 +211,5 @@ def joints_of(kin: Kin, scene: Description, x: Vec, work: ControlWorkRecord, q: 
 def to_robot(kin: Kin, scene: Description, q: Vec, f: Vec, out: Vec) -> None:
     """Set out to the forces f on the points, from their sensor frames to the robot frame; out must not be f."""
     if kin[TO_ROBOT](scene.geometry[:], q[:], f[:], out[:]) == KinematicsStatus.NOT_GIVEN:
-        for row in range(3 * scene.contacts):
-            out[row] = f[row]
-
-
-@kernel
-def to_tool(kin: Kin, scene: Description, q: Vec, f: Vec, out: Vec) -> None:
-    """Set out to the forces f on the points, from the robot frame to their sensor frames; out must not be f."""
-    if kin[TO_TOOL](scene.geometry[:], q[:], f[:], out[:]) == KinematicsStatus.NOT_GIVEN:
         for row in range(3 * scene.contacts):
             out[row] = f[row]

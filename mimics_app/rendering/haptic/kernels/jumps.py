@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic import NANOSECOND, DeviceStatus, SafetyState
+from mimics_app.maths.vec import copy, norm
 from mimics_app.rendering.haptic.kernels.controller_slot import drives_to_target
-from mimics_app.rendering.haptic.kernels.vectors import copy, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord

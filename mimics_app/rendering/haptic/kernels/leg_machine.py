@@ -14,9 +14,9 @@ import math
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import copy, fill
 from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.noise import gauss, quantised
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 __all__ = [
     "COMMAND",

@@ -10,9 +10,9 @@ import math
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.loop_ports import DATA_AGE, DATA_DELAY, DATA_DQ, DATA_FORCE, DATA_Q
+from mimics_app.maths.vec import clamp_joints, clamp_norm, copy, fill
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, forward, inverse
 from mimics_app.rendering.haptic.kernels.noise import quantised
-from mimics_app.rendering.haptic.kernels.vectors import clamp_joints, clamp_norm, copy, fill
 
 __all__ = [
     "AXIS_OFFSET",

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill, scale
+from mimics_app.maths.vec import all_finite, copy, dot, fill, scale
 
 __all__ = ["brake_at_limits", "decay", "lever_of", "limit_force", "limit_held", "limit_joints", "limit_torques"]
 
@@ -42,7 +42,7 @@ def limit_held(v: Vec, power_limit: float, f: Vec) -> float:
     """Scale a force [N] to |f.v| <= power_limit [W]; return the factor used, 0-1."""
     total = 1.0
     for _ in range(2):  # the first factor may be too small for all its digits
-        power = abs(f[0] * v[0] + f[1] * v[1] + f[2] * v[2])
+        power = abs(dot(f, v))
         if power <= power_limit:
             break
         factor = power_limit / power if math.isfinite(power) and _usable(power_limit) else 0.0

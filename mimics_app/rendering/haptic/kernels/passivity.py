@@ -12,7 +12,7 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.maths.vec import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ObserverRecord

@@ -24,7 +24,7 @@ import math
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.maths.vec import dot, norm
 
 __all__ = ["contact_scale", "middle_velocity", "stored_share"]
 
@@ -79,10 +79,10 @@ def contact_scale(credit: float, force: Vec, v: Vec, dt: float, max_damping: flo
         max_damping: Largest alpha [N s/m].
     """
     size = norm(force)
-    overdraft = (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]) * dt - credit  # [J] in the coming tick
+    overdraft = dot(force, v) * dt - credit  # [J] in the coming tick
     if not (overdraft > 0.0 and size > 0.0):
         return 1.0
-    along = (force[0] * v[0] + force[1] * v[1] + force[2] * v[2]) / size
+    along = dot(force, v) / size
     if along <= 0.0:
         return 1.0
     alpha = min(max_damping, overdraft / (dt * along * along))

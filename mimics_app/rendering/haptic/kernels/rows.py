@@ -35,7 +35,7 @@ from mimics_app.contracts.loop.loop_ports import (
     DATA_Q,
     DATA_TORQUE,
 )
-from mimics_app.rendering.haptic.kernels.vectors import norm
+from mimics_app.maths.vec import norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (

@@ -27,10 +27,10 @@ from mimics_app.contracts.loop.haptic import (
     SafetyState,
     TripCause,
 )
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.controller_slot import person_leads
 from mimics_app.rendering.haptic.kernels.jumps import lags_too_far
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
-from mimics_app.rendering.haptic.kernels.vectors import norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table

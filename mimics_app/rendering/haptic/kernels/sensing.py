@@ -19,8 +19,8 @@ from mimics_app.contracts.loop.loop_ports import (
     DATA_Q,
     DATA_TORQUE,
 )
+from mimics_app.maths.vec import copy, fill, rotate
 from mimics_app.rendering.haptic.kernels.joints import points_of, to_robot, velocities_of
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SceneRecord, StateRecord, Table

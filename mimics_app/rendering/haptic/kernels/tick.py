@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.device_descriptor import Kin
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.acting import delay_ticks, device_delay, set_user_force, update_energy
 from mimics_app.rendering.haptic.kernels.closed_region import find_region
 from mimics_app.rendering.haptic.kernels.contacts import (
@@ -32,7 +33,6 @@ from mimics_app.rendering.haptic.kernels.rows import write_command, write_inputs
 from mimics_app.rendering.haptic.kernels.safety import is_rendered, step_safety
 from mimics_app.rendering.haptic.kernels.sensing import find_motion, read_sample, size_ball
 from mimics_app.rendering.haptic.kernels.tunnels import follow_tunnels, reset_tunnel_tracking
-from mimics_app.rendering.haptic.kernels.vectors import norm
 from mimics_app.rendering.haptic.kernels.watch import watch_contact, watch_margin
 from mimics_app.rendering.haptic.reference.generator import step_reference
 
@@ -81,7 +81,7 @@ def _power(scene: SceneRecord, state: StateRecord) -> float:
 
 @kernel
 def follow_extremes(scene: SceneRecord, states: Table[StateRecord], dt: float) -> None:
-    """Take a tick of every point of contact; one in which the robot is driven or held counts in nothing."""
+    """Update extremes and work of every point of contact; while the robot drives or is held they stay as they are."""
     if not person_leads(scene):
         return
     for c in range(max(1, scene.contacts)):

@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import dot, fill, norm
 from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at, write_frame
 from mimics_app.rendering.haptic.kernels.tunnel_projection import axis, locate, project
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus
-from mimics_app.rendering.haptic.kernels.vectors import fill, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import TunnelRecord, TunnelStateRecord
@@ -155,7 +155,7 @@ def _wall(
     `lean` = c' / (1 - kappa.e) tilts the force along the tunnel where the radius changes.
     """
     f = state.force_world
-    rho = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+    rho = norm(e)
     if rho <= clearance or rho < _SMALLEST_OFFSET:
         fill(f, 0.0)
         return 0.0, 0.0
@@ -246,10 +246,10 @@ def _resolve(e: tuple[float, float, float], state: TunnelStateRecord) -> None:
     n = state.normal_n
     b = state.binormal
     f = state.force_world
-    state.offset_n = e[0] * n[0] + e[1] * n[1] + e[2] * n[2]
-    state.offset_b = e[0] * b[0] + e[1] * b[1] + e[2] * b[2]
-    state.force_tnb[0] = f[0] * t[0] + f[1] * t[1] + f[2] * t[2]
-    state.force_tnb[1] = f[0] * n[0] + f[1] * n[1] + f[2] * n[2]
-    state.force_tnb[2] = f[0] * b[0] + f[1] * b[1] + f[2] * b[2]
+    state.offset_n = dot(e, n)
+    state.offset_b = dot(e, b)
+    state.force_tnb[0] = dot(f, t)
+    state.force_tnb[1] = dot(f, n)
+    state.force_tnb[2] = dot(f, b)
     if not math.isfinite(f[0] + f[1] + f[2]):
         _release(state, TunnelStatus.NOT_FINITE)

@@ -20,11 +20,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.maths.vec import copy, fill
 from mimics_app.rendering.haptic.kernels.closed_region import stiffness_limit
 from mimics_app.rendering.haptic.kernels.stability import spring_share
 from mimics_app.rendering.haptic.kernels.tunnel import tunnel_force
 from mimics_app.rendering.haptic.kernels.tunnel_state import TunnelStatus, restart_tracking
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (

@@ -15,8 +15,8 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.gait_state import GaitState
+from mimics_app.maths.vec import fill, scale
 from mimics_app.rendering.haptic.kernels.limiter import limit_torques
-from mimics_app.rendering.haptic.kernels.vectors import fill, scale
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import LegLimitsRecord, SequenceRecord

@@ -9,9 +9,9 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop import controller_port
 from mimics_app.contracts.loop.controller_slots import CommandKind, Lead
 from mimics_app.contracts.loop.device_descriptor import Kin
+from mimics_app.maths.vec import copy, scale
 from mimics_app.rendering.haptic.control.joint_admittance import admit_joints
 from mimics_app.rendering.haptic.kernels.joints import share_below, velocities_of
-from mimics_app.rendering.haptic.kernels.vectors import copy, scale
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ControlInputRecord, ControlOutputRecord, ControlWorkRecord

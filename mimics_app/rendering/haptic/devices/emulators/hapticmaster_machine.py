@@ -12,11 +12,11 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.loop.loop_ports import COMMAND_DQ, COMMAND_ENABLED, DATA_FORCE
+from mimics_app.maths.vec import clamp_norm, fill, norm
 from mimics_app.rendering.haptic.devices.simulated_hapticmaster import read_patient, write_robot
 from mimics_app.rendering.haptic.kernels.kinematics import apply_inverse_jacobian, apply_jacobian, tool_to_robot
 from mimics_app.rendering.haptic.kernels.limiter import brake_at_limits
 from mimics_app.rendering.haptic.kernels.robot import AXIS_OFFSET, HANDLE, JOINT_MAX, JOINT_MIN, Q
-from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, fill, norm
 
 __all__ = [
     "BIAS",

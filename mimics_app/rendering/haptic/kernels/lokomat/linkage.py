@@ -13,7 +13,6 @@ or stretched (phi = pi): there the drive cannot turn the joint. The linkage work
 from __future__ import annotations
 
 import math
-from enum import IntEnum
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
@@ -25,12 +24,10 @@ __all__ = [
     "OFFSET",
     "POSE_LEVER",
     "TURNED",
-    "LinkagePose",
     "angle_of",
     "eta_of",
     "lever",
     "lever_rate",
-    "pose_of",
     "shaft_of",
 ]
 
@@ -42,15 +39,6 @@ LINKAGE = 4  # numbers in use
 
 POSE_LEVER = 0.1
 """A pose is singular where the lever is below this share of the shorter arm."""
-
-
-class LinkagePose(IntEnum):
-    """Pose of a linkage."""
-
-    REGULAR = 0
-    FOLDED = 1  # shortest shaft: both pivots on the same side of the joint
-    STRETCHED = 2  # longest shaft: the joint between the pivots
-    BEYOND = 3  # a shaft length that no joint angle has
 
 
 @kernel
@@ -97,15 +85,3 @@ def lever_rate(link: Vec, theta: float) -> float:
     """Second derivative d^2 eta / d theta^2 [m/rad^2]."""
     eta, arm = shaft_of(link, theta)
     return (link[FIXED_ARM] * link[MOVED_ARM] * math.cos(_between(link, theta)) - arm * arm) / eta
-
-
-@kernel
-def pose_of(link: Vec, eta: float) -> int:
-    """Return the `LinkagePose` of a shaft length [m]: which singular pose, if any, it is in or near."""
-    a, b = link[FIXED_ARM], link[MOVED_ARM]
-    if eta < abs(a - b) or eta > a + b:
-        return LinkagePose.BEYOND
-    theta = angle_of(link, eta)
-    if abs(lever(link, theta)) >= POSE_LEVER * min(a, b):
-        return LinkagePose.REGULAR
-    return LinkagePose.FOLDED if math.cos(_between(link, theta)) > 0.0 else LinkagePose.STRETCHED

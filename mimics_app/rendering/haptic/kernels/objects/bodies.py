@@ -19,6 +19,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, ObjectIntegrator
 from mimics_app.maths import quat
+from mimics_app.maths.vec import all_finite, copy, dot, fill
 from mimics_app.rendering.haptic.kernels.eigen import diagonalise
 from mimics_app.rendering.haptic.kernels.integrators import (
     free_responses,
@@ -28,7 +29,6 @@ from mimics_app.rendering.haptic.kernels.integrators import (
     step_semi_implicit,
 )
 from mimics_app.rendering.haptic.kernels.rotation import product, rotated, turn_body
-from mimics_app.rendering.haptic.kernels.vectors import all_finite, copy, fill
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
@@ -284,7 +284,7 @@ def _advance_finite(body: BodyRecord, motion: MotionRecord, dynamics: DynamicsRe
 @kernel
 def _square(a: Vec) -> float:
     """Square of the length of a."""
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    return dot(a, a)
 
 
 @kernel

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec, Vec3
 from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
+from mimics_app.maths.triple_kernels import times
+from mimics_app.maths.vec import copy, dot
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free, rest_time, wake
 from mimics_app.rendering.haptic.kernels.objects.collisions_boxes import separate_boxes
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import touch_carried_mesh
@@ -22,8 +24,6 @@ from mimics_app.rendering.haptic.kernels.objects.manifold import lay_over, write
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION
 from mimics_app.rendering.haptic.kernels.objects.resolve import apply_contact, end_contact
 from mimics_app.rendering.haptic.kernels.objects.sweep_and_prune import find_pairs, near
-from mimics_app.rendering.haptic.kernels.objects.triples import dot, times
-from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Mat, Vec3
-from mimics_app.rendering.haptic.kernels.objects.triples import axis, cross, dot, minus, position_of, times, to_local
+from mimics_app.maths.triple_kernels import cross, minus, times
+from mimics_app.maths.vec import dot
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import axis, position_of, to_local
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import SolidRecord

@@ -19,21 +19,14 @@ from typing import TYPE_CHECKING, NamedTuple
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.maths.triple_kernels import along, minus, times, unit
+from mimics_app.maths.vec import dot
 from mimics_app.rendering.haptic.kernels.objects.collisions_edges import chord_in, deepest_between, may_pass
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import depth_in_mesh, points_in_mesh, project_depths
 from mimics_app.rendering.haptic.kernels.objects.distances import depth_under, distance_to
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION
-from mimics_app.rendering.haptic.kernels.objects.triples import (
-    along,
-    axis,
-    dot,
-    minus,
-    position_of,
-    times,
-    to_world,
-    unit,
-)
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import axis, position_of, to_world
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord

@@ -15,18 +15,11 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.maths.triple_kernels import along, minus, times, unit
+from mimics_app.maths.vec import dot
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION, FACING, first_crossing, triangle_normal
-from mimics_app.rendering.haptic.kernels.objects.triples import (
-    along,
-    dot,
-    minus,
-    position_of,
-    times,
-    to_local,
-    to_world,
-    unit,
-)
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import position_of, to_local, to_world
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord

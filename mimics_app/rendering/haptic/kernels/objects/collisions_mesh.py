@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.maths.triple_kernels import along, minus, times, unit
+from mimics_app.maths.vec import dot
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE, RIM_POINTS, add_point
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     ANY_DIRECTION,
@@ -21,17 +23,7 @@ from mimics_app.rendering.haptic.kernels.objects.mesh_tree import (
     closest_triangle,
     triangle_normal,
 )
-from mimics_app.rendering.haptic.kernels.objects.triples import (
-    along,
-    axis,
-    dot,
-    minus,
-    position_of,
-    times,
-    to_local,
-    to_world,
-    unit,
-)
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import axis, position_of, to_local, to_world
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MeshTable, ScratchRecord, SolidRecord

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
+from mimics_app.maths.triple_kernels import along, minus, times, unit
 from mimics_app.rendering.haptic.kernels.objects.collisions_carried_mesh import (
     Target,
     depth_of,
@@ -23,15 +24,7 @@ from mimics_app.rendering.haptic.kernels.objects.collisions_edges import may_pas
 from mimics_app.rendering.haptic.kernels.objects.collisions_mesh import points_in_mesh, project_depths
 from mimics_app.rendering.haptic.kernels.objects.manifold import CORNER_SHARE
 from mimics_app.rendering.haptic.kernels.objects.mesh_tree import ANY_DIRECTION, next_node
-from mimics_app.rendering.haptic.kernels.objects.triples import (
-    along,
-    minus,
-    position_of,
-    times,
-    to_local,
-    to_world,
-    unit,
-)
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import position_of, to_local, to_world
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, MeshTable, RidgeTable, ScratchRecord, SolidRecord

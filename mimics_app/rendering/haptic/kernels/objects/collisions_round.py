@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
+from mimics_app.maths.triple_kernels import along, minus, times
+from mimics_app.maths.vec import dot
 from mimics_app.rendering.haptic.kernels.objects.distances import distance_to
 from mimics_app.rendering.haptic.kernels.objects.manifold import add_point
-from mimics_app.rendering.haptic.kernels.objects.triples import along, axis, dot, minus, position_of, times, to_local
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import axis, position_of, to_local
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, SolidRecord

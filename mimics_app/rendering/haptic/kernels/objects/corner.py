@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8
-from mimics_app.rendering.haptic.kernels.vectors import norm, scale
+from mimics_app.maths.vec import dot, norm, scale
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Table, WallTouchRecord
@@ -33,7 +33,7 @@ _SLACK = 1e-12
 @kernel
 def _cosine(a: WallTouchRecord, b: WallTouchRecord) -> float:
     """Cosine between the normals of two walls."""
-    return a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] + a.normal[2] * b.normal[2]
+    return dot(a.normal, b.normal)
 
 
 @kernel
@@ -161,7 +161,7 @@ def orthogonalise(walls: Table[WallTouchRecord], count: int) -> None:
             if walls[j].depth <= 0.0:
                 continue
             w = walls[j].direction
-            shared = u[0] * w[0] + u[1] * w[1] + u[2] * w[2]
+            shared = dot(u, w)
             for m in range(3):
                 u[m] -= shared * w[m]
         scale(u, 1.0 / norm(u))

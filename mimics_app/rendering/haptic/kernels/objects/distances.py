@@ -13,15 +13,9 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
-from mimics_app.rendering.haptic.kernels.objects.triples import (
-    across,
-    dot,
-    minus,
-    position_of,
-    to_local,
-    to_world,
-    unit,
-)
+from mimics_app.maths.triple_kernels import across, minus, unit
+from mimics_app.maths.vec import dot
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import position_of, to_local, to_world
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, SolidRecord

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
-from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, copy, norm
+from mimics_app.maths.vec import clamp_norm, copy, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import EffectMemoryRecord, EffectRecord

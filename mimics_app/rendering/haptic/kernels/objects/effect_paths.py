@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
+from mimics_app.maths.vec import dot, norm
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import add_bounded, is_within
 from mimics_app.rendering.haptic.kernels.tunnel import fade_at_end
 from mimics_app.rendering.haptic.kernels.tunnel_frame import arc_at
@@ -54,12 +55,12 @@ def pull_to_path(effect: EffectRecord, memory: EffectMemoryRecord) -> None:
     e.t is 0 except beyond an end, where v' includes the share (e.t/r)^2 of the motion along t: continuous at the end.
     """
     t, e, v = memory.path.tangent, memory.p, memory.v
-    r = math.sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2])
+    r = norm(e)
     beyond = r - effect.slip
     if beyond <= 0.0 or r < _SMALLEST or not is_within(effect, memory):
         return
-    lean = (e[0] * t[0] + e[1] * t[1] + e[2] * t[2]) / r
-    free = (1.0 - lean * lean) * (v[0] * t[0] + v[1] * t[1] + v[2] * t[2])
+    lean = dot(e, t) / r
+    free = (1.0 - lean * lean) * dot(v, t)
     for i in range(3):
         memory.force[i] = -memory.stiffness * beyond * e[i] / r
         memory.damper[i] = -effect.damping * (v[i] - free * t[i])
@@ -73,6 +74,6 @@ def guide(effect: EffectRecord, memory: EffectMemoryRecord, remaining: float) ->
     if not is_within(effect, memory):
         return
     t, v = memory.path.tangent, memory.v
-    along = memory.size * fade_at_end(remaining) - effect.damping * (v[0] * t[0] + v[1] * t[1] + v[2] * t[2])
+    along = memory.size * fade_at_end(remaining) - effect.damping * dot(v, t)
     for i in range(3):
         memory.force[i] = along * t[i]

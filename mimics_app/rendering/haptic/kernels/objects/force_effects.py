@@ -16,6 +16,7 @@ from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, EffectKind
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
 from mimics_app.contracts.loop.loop_ports import MAX_FIELDS
+from mimics_app.maths.vec import copy, fill, rotate, rotate_back
 from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
     bound,
     brake,
@@ -30,7 +31,6 @@ from mimics_app.rendering.haptic.kernels.objects.effect_laws import (
 from mimics_app.rendering.haptic.kernels.objects.effect_paths import find_path, guide, pull_to_path
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import INPUT_POSITION, INPUT_TIME, INPUT_VELOCITY
 from mimics_app.rendering.haptic.kernels.tunnel_state import restart_tracking
-from mimics_app.rendering.haptic.kernels.vectors import copy, fill, rotate, rotate_back
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (

@@ -21,17 +21,9 @@ from typing import TYPE_CHECKING, NamedTuple
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.loop.haptic_objects import ShapeKind
-from mimics_app.rendering.haptic.kernels.objects.triples import (
-    across,
-    along,
-    axis,
-    cross,
-    dot,
-    minus,
-    position_of,
-    times,
-    unit,
-)
+from mimics_app.maths.triple_kernels import across, along, cross, minus, times, unit
+from mimics_app.maths.vec import dot
+from mimics_app.rendering.haptic.kernels.objects.solid_frame import axis, position_of
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, SolidRecord

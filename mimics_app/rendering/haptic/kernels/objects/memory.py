@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.maths import quat
+from mimics_app.maths.vec import copy, rotate_back
 from mimics_app.rendering.haptic.kernels.contact import forget
 from mimics_app.rendering.haptic.kernels.objects.contact_scratch import DISABLED, PLACED, TRACED
-from mimics_app.rendering.haptic.kernels.vectors import copy, rotate_back
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (

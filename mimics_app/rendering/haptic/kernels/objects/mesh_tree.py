@@ -9,10 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4, Vec, Vec3
+from mimics_app.maths.vec import dot, norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MeshRecord
@@ -57,7 +56,7 @@ def triangle_normal(vertices: F8, corners: I4, t: int, out: Vec) -> float:
     out[0] = uy * vz - uz * vy
     out[1] = uz * vx - ux * vz
     out[2] = ux * vy - uy * vx
-    return np.sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2])
+    return norm(out)
 
 
 @kernel
@@ -253,7 +252,7 @@ def _faces(vertices: F8, corners: I4, t: int, toward: Vec3, out: Vec) -> bool:
     if toward[0] == 0.0 and toward[1] == 0.0 and toward[2] == 0.0:
         return True
     size = triangle_normal(vertices, corners, t, out)
-    return out[0] * toward[0] + out[1] * toward[1] + out[2] * toward[2] > FACING * size
+    return dot(out, toward) > FACING * size
 
 
 @kernel

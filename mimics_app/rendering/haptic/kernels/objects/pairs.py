@@ -14,8 +14,8 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.loop.haptic_objects import ForceLaw
+from mimics_app.maths.vec import fill
 from mimics_app.rendering.haptic.kernels.contact_law import pair_damping, pair_stiffness
-from mimics_app.rendering.haptic.kernels.vectors import fill
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import DynamicsRecord, PairRecord, ShapeRecord, Table

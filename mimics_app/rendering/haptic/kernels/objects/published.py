@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimics_app.compiled.kernel import kernel
-from mimics_app.rendering.haptic.kernels.vectors import copy
+from mimics_app.maths.vec import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MotionRecord, Table

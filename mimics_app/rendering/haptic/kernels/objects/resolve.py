@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, Vec3
 from mimics_app.contracts.loop.haptic_objects import ForceLaw
+from mimics_app.maths.triple_kernels import along, cross, minus, times
+from mimics_app.maths.vec import dot
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, pair_force
 from mimics_app.rendering.haptic.kernels.objects.pairs import forget_contact
-from mimics_app.rendering.haptic.kernels.objects.triples import along, cross, dot, minus, times
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import Floats, MotionRecord, PairRecord, TotalsRecord

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
 from mimics_app.maths import quat
+from mimics_app.maths.vec import norm
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (
@@ -33,7 +34,7 @@ def bounding_radius(shape: ShapeRecord) -> float:
     if shape.kind == ShapeKind.SPHERE:
         return size[0]
     if shape.kind == ShapeKind.BOX:
-        return 0.5 * math.sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2])
+        return 0.5 * norm(size)
     if shape.kind == ShapeKind.CYLINDER:
         return math.sqrt(size[0] * size[0] + 0.25 * size[1] * size[1])
     if shape.kind == ShapeKind.CAPSULE:

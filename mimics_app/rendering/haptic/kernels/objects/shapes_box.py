@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import fill
 from mimics_app.rendering.haptic.kernels.contact import cube, remember
-from mimics_app.rendering.haptic.kernels.vectors import fill
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ContactRecord

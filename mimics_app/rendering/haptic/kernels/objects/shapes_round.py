@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
+from mimics_app.maths.vec import copy
 from mimics_app.rendering.haptic.kernels.contact import remember, sphere
 from mimics_app.rendering.haptic.kernels.objects.shapes_box import SHELL
-from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ContactRecord

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic_objects import ForceLaw
+from mimics_app.maths.vec import clamp_norm, dot, fill
 from mimics_app.rendering.haptic.kernels.contact_law import hunt_crossley, spring_damper
 from mimics_app.rendering.haptic.kernels.friction import hayward_armstrong
-from mimics_app.rendering.haptic.kernels.vectors import clamp_norm, fill
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import ContactRecord, MemoryRecord, ShapeRecord
@@ -93,7 +93,7 @@ def _into_plane(memory: MemoryRecord, touched: Vec, normal: Vec) -> float:
 @kernel
 def _damp(v: Vec, normal: Vec, damping: float, most: float, out: Vec) -> None:
     """Add a tangential damper to the force of sticking friction and clamp the sum to `most` [N]."""
-    along = v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]
+    along = dot(v, normal)
     for i in range(3):
         out[i] -= damping * (v[i] - along * normal[i])
     clamp_norm(out, most)

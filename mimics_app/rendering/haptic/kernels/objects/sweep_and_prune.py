@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import I8
 from mimics_app.contracts.loop.haptic_objects import STATIC, ShapeKind
+from mimics_app.maths.vec import norm
 from mimics_app.rendering.haptic.kernels.objects.bodies import is_free
 from mimics_app.rendering.haptic.kernels.objects.pairs import add_pair, drop_pairs, forget_pairs, join_surfaces
 
@@ -130,8 +131,8 @@ def _margin_of(solid: SolidRecord, motion: MotionRecord, dt: float) -> float:
         radius = 0.0
         for k in range(3):
             radius = max(radius, 0.5 * (solid.high[k] - solid.low[k]))
-    speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-    speed += radius * math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    speed = norm(v)
+    speed += radius * norm(w)
     return _MARGIN * radius + _AHEAD * dt * speed
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.loop.haptic_objects import BodyFlag, ShapeKind
+from mimics_app.maths.vec import copy, rotate
 from mimics_app.rendering.haptic.kernels.contact import forget, sphere, to_object, wall
 from mimics_app.rendering.haptic.kernels.directions import MAX_TOUCHED, note_contact
 from mimics_app.rendering.haptic.kernels.objects.corner import orthogonalise, share_corner
@@ -22,7 +23,6 @@ from mimics_app.rendering.haptic.kernels.objects.surface_force import (
     normal_force,
     set_friction,
 )
-from mimics_app.rendering.haptic.kernels.vectors import copy, rotate
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import (

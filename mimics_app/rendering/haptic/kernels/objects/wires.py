@@ -12,6 +12,7 @@ from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import Vec
 from mimics_app.contracts.loop.haptic_objects import SignalSource, SignalTarget
 from mimics_app.contracts.loop.loop_fields import MAX_CONTACTS
+from mimics_app.maths.vec import copy
 from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_FORCE_MEASURED,
     INPUT_FORCE_USER,
@@ -20,7 +21,6 @@ from mimics_app.rendering.haptic.kernels.objects.object_inputs import (
     INPUT_TIME,
     INPUT_VELOCITY,
 )
-from mimics_app.rendering.haptic.kernels.vectors import copy
 
 if TYPE_CHECKING:
     from mimics_app.rendering.haptic.record_types import MotionRecord, ObjectCountsRecord, ObjectWork, Rows, WireRecord

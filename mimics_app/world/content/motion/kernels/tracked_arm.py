@@ -14,6 +14,7 @@ import numpy as np
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
 from mimics_app.maths.quat import QUATERNION, conjugate, multiply, rotate, slerp
+from mimics_app.maths.vec import dot
 from mimics_app.world.content.motion.kernels.chain import arc, wrap
 from mimics_app.world.content.motion.kernels.posed_model import PosedModel, follow, turn_to
 from mimics_app.world.content.motion.kernels.two_bone import reach_two_bones
@@ -101,7 +102,7 @@ def _not_too_near(distance: float, a: float, b: float) -> float:
 @kernel
 def _turn_direction(before: F8, wanted: F8, most: float) -> float:
     """Limit the angle [rad] of the direction `wanted` from `before`; return the angle."""
-    cosine = before[0] * wanted[0] + before[1] * wanted[1] + before[2] * wanted[2]
+    cosine = dot(before, wanted)
     side, length = np.empty(3), 0.0
     for i in range(3):
         side[i] = wanted[i] - cosine * before[i]
@@ -221,7 +222,7 @@ def reach_tracked(model: PosedModel, arm: I4, side: float, hand: F8, chest: F8, 
 @kernel
 def _twist_of(q: F8, axis: F8) -> float:
     """Return the twist of a rotation about an axis (swing-twist decomposition), -pi to pi [rad]."""
-    along = q[0] * axis[0] + q[1] * axis[1] + q[2] * axis[2]
+    along = dot(q, axis)
     return wrap(2.0 * math.atan2(along, q[3]))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from mimics_app.compiled.kernel import kernel
 from mimics_app.contracts.arrays import F8, I4
+from mimics_app.maths.vec import dot
 
 __all__ = ["reach_two_bones"]
 
@@ -66,7 +67,7 @@ def _unit_or(x: float, y: float, z: float, least: float, out: F8) -> bool:
 @kernel
 def _square_to(u: F8, v: F8, out: F8) -> None:
     """Set out to the unit component of v perpendicular to u; where v has none, of the axis farthest from u."""
-    along = u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+    along = dot(u, v)
     if _unit_or(v[0] - along * u[0], v[1] - along * u[1], v[2] - along * u[2], _NEAR, out):
         return
     k = 0
@@ -99,7 +100,7 @@ def _carry(states: F8, i: int, u: F8, w: F8) -> None:
 @kernel
 def _swing(u: F8, before: F8, wanted: F8, most: float) -> bool:
     """Limit the angle [rad] of `wanted` from `before` about u; return True where it was limited."""
-    cosine = before[0] * wanted[0] + before[1] * wanted[1] + before[2] * wanted[2]
+    cosine = dot(before, wanted)
     cx = before[1] * wanted[2] - before[2] * wanted[1]
     cy = before[2] * wanted[0] - before[0] * wanted[2]
     cz = before[0] * wanted[1] - before[1] * wanted[0]
