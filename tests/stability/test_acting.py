@@ -382,6 +382,27 @@ def test_a_shape_is_capped_for_the_period_that_was_measured(kind: ShapeKind):
     assert felt[0] == pytest.approx(share * felt[1], rel=1e-9)
 
 
+def test_sticking_friction_that_is_stiffer_than_its_surface_is_capped():
+    """The surface alone may be rendered whole; a hand that sticks to it feels the stiffer spring along it."""
+    rows = script(1100)
+    rows[:, 2] = 0.01
+    glide(rows, 850, 2, -0.0002)
+
+    def share(along: float) -> float:
+        surface = {"stiffness": 500.0, "damping": WALL, "friction_static": 0.6, "friction_dynamic": 0.5}
+        play = shape_below(ShapeKind.WALL, friction_stiffness=along, **surface)
+        bench = scripted_with(play, rows)
+        bench.publish(virtual_damping=OWN, device_delay=1e-3)
+        samples = bench.advance(1080)
+        assert samples["touching"][1000] == 1
+        return float(samples["stiffness_share"][1000])
+
+    assert share(500.0) == 1.0
+    needed = [1.0 / share(along) for along in (0.5e5, 1e5, 1.5e5)]  # k T (1 + margin) / own, less the dampers' part
+    assert needed[0] > 5.0
+    assert needed[2] - needed[1] == pytest.approx(needed[1] - needed[0], rel=1e-9)
+
+
 @pytest.mark.parametrize("rate", [500, 1000, 2000, 4000])
 def test_the_force_rises_by_its_limit_in_a_second_at_any_rate(rate: int):
     """A hand put into the wall: 200 N/s, so 0.2 N a tick at 1 kHz and 0.1 N at 2 kHz."""
