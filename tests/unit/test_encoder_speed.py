@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mimics_app.rendering.haptic.control.lokomat.drive_play import force_in_play
 from mimics_app.rendering.haptic.control.lokomat.encoder_speed import ENCODER_SPEED, encoder_speed
+from mimics_app.rendering.haptic.control.lokomat.leg_control import force_in_play
 
 DT, STEP = 1e-3, 2e-5
 
