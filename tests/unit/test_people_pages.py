@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,8 +11,10 @@ from types import SimpleNamespace
 import pytest
 
 from mimics_app.app.commands import launch
+from mimics_app.app.commands.run import _own_body, add_arguments
 from mimics_app.app.play.journey import JourneyEnd
 from mimics_app.app.play.launching import launcher_settings
+from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.study import people_screen, study_runs
 from mimics_app.app.study.forms import Form, Item
 from mimics_app.app.study.people_pages import (
@@ -25,8 +28,9 @@ from mimics_app.app.study.people_pages import (
     settings_content,
 )
 from mimics_app.app.study.people_screen import show_people
-from mimics_app.app.study.studies import fit_of_code, studies_in, usual_study
+from mimics_app.app.study.studies import body_of_code, fit_of_code, studies_in, usual_study
 from mimics_app.app.study.study_folder import StudyFolder
+from mimics_app.app.study.study_runs import words_of_settings
 from mimics_app.app.terminal.participant import why_no_code
 from mimics_app.contracts.errors import SceneError, UsageError
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES, CalibratedMeasure, Calibration
@@ -43,6 +47,8 @@ from tests.support.watched_hud import WatchedHud, page_canvas
 CANVASES = [(1280, 720), (1080, 1920)]
 ENTER, LEAVE = InputEvent("key", "enter", True), InputEvent("key", "escape", True)
 DOWN, RIGHT = InputEvent("key", "down", True), InputEvent("key", "right", True)
+TO_SETTINGS = [[ENTER], [*[InputEvent("key", "up", True)] * 2, ENTER]]
+"""From the list of the participants to the settings of the first."""
 
 
 def typed(text: str) -> list[InputEvent]:
@@ -107,7 +113,7 @@ def test_every_page_fits_in_every_language_and_window(
             person_content(new, "", "HapticMaster"),
             person_content(Person(study, broken), "", "HapticMaster"),
             *(form_content(form) for form in study.protocol.forms.values()),
-            settings_content(person.participant),
+            settings_content(study, person.participant),
             earlier_content(study, person.participant)[0],
         ]
         for content in contents:
@@ -166,13 +172,14 @@ def test_two_keys_are_enough(monkeypatch: pytest.MonkeyPatch, study: StudyFolder
     """Tab goes on, Enter changes or chooses: for a person with two switches."""
     monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
     tab = InputEvent("key", "tab", True)
-    page = FormPage(None, settings_content(study.find_or_add("P1")), {})  # type: ignore[arg-type]
+    page = FormPage(None, settings_content(study, study.find_or_add("P1")), {})  # type: ignore[arg-type]
     for row in ("language", "side", "text", "contrast"):
         assert page.focus == row
         page.handle([ENTER])
         assert page.values[row] and not page.chosen
         page.handle([tab])
-    page.handle([ENTER])
+    assert page.focus == "avatar"
+    page.handle([ENTER, ENTER])
     assert page.chosen == "back"
 
 
@@ -191,7 +198,7 @@ def test_the_speed_of_a_walk_is_one_axis() -> None:
 def test_the_mouse_does_what_the_keys_do(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:
     monkeypatch.setattr(form_page, "PageSurface", lambda surface: Drawn(page_canvas((1280, 720))))
     person = study.find_or_add("P1")
-    page = FormPage(None, settings_content(person), {})  # type: ignore[arg-type]
+    page = FormPage(None, settings_content(study, person), {})  # type: ignore[arg-type]
     box = page.row_box("side")
     assert box is not None
     page.handle([InputEvent("button", "left", True, x=box[0] + 0.9 * box[2], y=box[1] + 5.0)])
@@ -270,6 +277,48 @@ def test_a_left_sided_person_is_added_asked_calibrated_and_plays_without_a_termi
     assert any(word.startswith("--fit=") for word in played[1]) and study_runs.find_next(study, person).run is not None
     assert [note["note"] for note in study.notes_of(person)] == ["tired"]
     assert fit_of_code("P07", tmp_path / "runs") is not None and fit_of_code("P08", tmp_path / "runs") is None
+
+
+def body(file: Path) -> Path:
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(b"glTF")
+    return file
+
+
+def test_an_own_body_is_chosen_on_the_page_and_used_wherever_the_participant_plays(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    person = study.find_or_add("P7")
+    model = body(study.folder_of(person) / "body.glb")
+    pages = shown(monkeypatch, [*TO_SETTINGS, [*[DOWN] * 4, ENTER, LEAVE], [LEAVE], [LEAVE]])
+    person = study.find("P7")
+    row = pages[-2].rows[-2]
+    assert person.avatar == "sub-P7/body.glb" and isinstance(row, PageButton) and "own body" in row.words
+    cord, tunnel = find_scene(Path("avatar_cord")), find_scene(Path("wavy_tunnel"))
+    assert f"--avatar={model.resolve()}" in words_of_settings(study, person, cord)
+    assert not any("--avatar" in word for word in words_of_settings(study, person, tunnel))
+    assert body_of_code("P7", Path("runs"), cord) == (model.resolve(), "")
+    assert body_of_code("P8", Path("runs"), cord) == body_of_code("P7", Path("runs"), tunnel) == (None, "")
+    study.erase(person)
+    assert not model.exists() and body_of_code("P7", Path("runs"), cord) == (None, "")
+
+
+def test_a_model_that_is_gone_is_told_and_the_body_of_the_scene_is_shown(
+    study: StudyFolder, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    person = study.find_or_add("P7")
+    pages = shown(monkeypatch, [*TO_SETTINGS, [*[DOWN] * 4, *typed("gone.glb"), LEAVE], [LEAVE], [LEAVE]])
+    assert "gone.glb" in pages[3].notice and "gone.glb" not in pages[4].notice
+    person, cord = study.find("P7"), find_scene(Path("avatar_cord"))
+    assert person.avatar == "gone.glb", "what was typed is kept: the file may come back"
+    assert words_of_settings(study, person, cord) == ["--participant=P7"]
+    assert capsys.readouterr().err.count("gone.glb") == 1
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    assert _own_body(parser.parse_args([str(cord), "--participant=P7"])) is None
+    assert capsys.readouterr().err.count("gone.glb") == 1
+    model = body(study.path / "gone.glb")
+    assert _own_body(parser.parse_args([str(cord), "--participant=P7"])) == model.resolve()
 
 
 def shown(monkeypatch: pytest.MonkeyPatch, script: Sequence[Sequence[InputEvent]]) -> list[FormContent]:

@@ -81,13 +81,15 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
         following = window.result(choice.run)
         if following != "again":
             return JourneyEnd(0, following)
-    settings = settings_of_choice(choice)
+    settings, missing = settings_of_choice(choice), ""
     try:
         why = _why_not_sided(settings)
         if settings.participant and not why:
-            from mimics_app.app.study.studies import fit_of_code
+            from mimics_app.app.study.studies import body_of_code, fit_of_code
 
-            settings = replace(settings, fit=fit_of_code(settings.participant, _RUNS))
+            body = body_of_code(settings.participant, _RUNS, settings.scene)
+            settings = replace(settings, fit=fit_of_code(settings.participant, _RUNS), avatar=body.file)
+            missing = body.why_not
     except (MimicsError, OSError) as error:  # of a file: nobody plays what should have been fitted, and was not
         why = first_line(error)
     if why:
@@ -96,7 +98,8 @@ def _follow(choice: LauncherChoice, window: JourneyWindow) -> JourneyEnd:
         from mimics_app.app.play.operators_page import open_page
 
         open_page(settings.console)
-    return play_through(settings, window)
+    ended = play_through(settings, window)
+    return replace(ended, error=ended.error or missing)
 
 
 def _why_not_sided(settings: RunSettings) -> str:

@@ -95,7 +95,8 @@ def _add_person(group: Container) -> None:
         "--avatar",
         type=Path,
         metavar="FILE",
-        help="model that is the person's own body, where the scene shows one; mimics avatar make writes such models",
+        help="model that is the person's own body, where the scene shows one; mimics avatar make writes such models "
+        "(default: as kept with the participant)",
     )
     group.add_argument("--larger-text", action="store_true", help="enlarge all that is shown over the picture")
     group.add_argument(
@@ -274,6 +275,7 @@ def run(args: argparse.Namespace) -> int:
     with JourneyLog(args.journey).reporting():
         check_names(args)
         _check_screen(args)
+        args.avatar = args.avatar or _own_body(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
@@ -291,6 +293,18 @@ def run(args: argparse.Namespace) -> int:
     if _is_for_a_person(settings) and not args.json:
         return _play_with_pages(settings)
     return _play(settings, as_json=args.json)
+
+
+def _own_body(args: argparse.Namespace) -> Path | None:
+    """Return the model that is kept with the participant, None where there is none, or the scene shows no own body."""
+    if not args.participant:
+        return None
+    from mimics_app.app.study.studies import body_of_code
+
+    body = body_of_code(args.participant, args.runs, args.scene)
+    if body.why_not:
+        say(body.why_not)
+    return body.file
 
 
 def _play_with_pages(settings: RunSettings) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mimics_app.app.scenes.shipped import find_shipped
 from mimics_app.app.study.forms import Answer, Form, Item, check_answers
+from mimics_app.app.study.own_bodies import models_of, own_body_of, why_no_model
 from mimics_app.app.study.protocol import scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.study.study_results import trials_of
@@ -158,7 +159,7 @@ def person_content(person: Person, group: str, player: str, notice: str = "") ->
     if len(person.curves) > 1:
         choices = [SettingChoice(name, _GROUPS[name]) for name in person.curves]
         rows.append(Setting(CURVES, phrase("Curves"), phrase("What is shown over the sessions."), choices))
-    rows.append(PageButton("settings", phrase("Language, side, text, contrast"), _settings_words(person)))
+    rows.append(PageButton("settings", phrase("Language, side, text, contrast, body"), _settings_words(person)))
     shown = group if group in person.curves else next(iter(person.curves), "")
     lines = person.notes[:_MOST_LINES]
     if not person.curves:
@@ -189,7 +190,9 @@ def _next_rows(person: Person) -> list[PageButton]:
         "session {session:d}, run {n:d} of {count:d}", session=found.session, n=found.run.number, count=count
     )
     if found.interrupted is None:
-        rows = [PageButton("play", phrase("Start: {title}", title=title), where, _side_words(person), main=not first)]
+        rows = [
+            PageButton("play", phrase("Start: {title}", title=title), where, _changes_words(person), main=not first)
+        ]
     else:
         help_ = phrase("This run was interrupted: what was recorded stays in any case.")
         label = phrase("Continue at trial {n:d}", n=found.resume_at)
@@ -201,10 +204,14 @@ def _next_rows(person: Person) -> list[PageButton]:
     return [calibrate, *rows] if first else [*rows, calibrate]
 
 
-def _side_words(person: Person) -> str:
-    """Return why what comes next is not played on the participant's left side; "" where it is."""
-    why = "" if person.scene is None else why_not_sided(person.study, person.participant, person.scene)
-    return why and phrase("Played as it is, not on the left side: {why}", why=why)
+def _changes_words(person: Person) -> str:
+    """Return why what comes next is not on the participant's left side, or without their own body; "" where it is."""
+    if person.scene is None:
+        return ""
+    why = why_not_sided(person.study, person.participant, person.scene)
+    if why:
+        return phrase("Played as it is, not on the left side: {why}", why=why)
+    return own_body_of(person.study, person.participant, person.scene).why_not
 
 
 def _settings_words(person: Person) -> str:
@@ -212,11 +219,13 @@ def _settings_words(person: Person) -> str:
     side = phrase("left side") if side_of(person.study, who) == "left" else phrase("right side")
     text = phrase("larger text") if who.text else ""
     contrast = phrase("high contrast") if who.contrast else ""
-    return " · ".join(filter(None, (LANGUAGES.get(who.language, ""), side, text, contrast)))
+    body = phrase("own body") if who.avatar and not why_no_model(person.study, who) else ""
+    return " · ".join(filter(None, (LANGUAGES.get(who.language, ""), side, text, contrast, body)))
 
 
-def settings_content(participant: Participant) -> FormContent:
+def settings_content(study: StudyFolder, participant: Participant) -> FormContent:
     """Return the page of a participant's settings, by the names of their fields."""
+    models = models_of(study, participant)
     languages = {"": phrase("as this page"), **LANGUAGES}
     sides = {"": phrase("as the forms say"), "left": phrase("left side"), "right": phrase("right side")}
     rows = [
@@ -235,6 +244,18 @@ def settings_content(participant: Participant) -> FormContent:
             phrase("Contrast"),
             phrase("High: white on black texts; paths, targets and the hand's marker in colours that stand out."),
             _choices({"": phrase("usual"), "high": phrase("high")}),
+        ),
+        Setting(
+            "avatar",
+            phrase("Own body"),
+            phrase(
+                "Model of the participant, in scenes that show one's body: a file of mimics avatar make in {folder}, "
+                "or the path of another.",
+                folder=study.folder_of(participant),
+            ),
+            _choices({"": "", **{each: each for each in models}}) if models else (),
+            typed=True,
+            empty=phrase("as the scene has it"),
         ),
     ]
     return FormContent(phrase("Participant {code}", code=participant.code), "", [*rows, _BACK])

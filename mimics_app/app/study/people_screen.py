@@ -13,6 +13,7 @@ from mimics_app.app.play.journey import play_words, run_words
 from mimics_app.app.play.journey_window import JourneyWindow
 from mimics_app.app.play.launching import player_of, refusals, settings_of_choice
 from mimics_app.app.scenes.shipped import find_shipped
+from mimics_app.app.study.own_bodies import why_no_model
 from mimics_app.app.study.people_pages import (
     ADD,
     BACK,
@@ -213,10 +214,11 @@ class _People:
             focus = chosen
 
     def _show_settings(self, study: StudyFolder, participant: Participant) -> None:
-        names = ("language", "side", "text", "contrast")
-        content = settings_content(participant)
+        names = ("language", "side", "text", "contrast", "avatar")
+        content = settings_content(study, participant)
         _, values = self._ask(content, {name: getattr(participant, name) for name in names})
-        study.with_settings(participant, **{name: values[name] for name in names})
+        changed = study.with_settings(participant, **{name: values[name].strip() for name in names})
+        self._notice = why_no_model(study, changed)
 
     def _show_earlier(self, study: StudyFolder, participant: Participant) -> None:
         focus = ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,8 @@ import msgspec
 
 from mimics_app.app.scenes.person_edit import FitFile
 from mimics_app.app.study.forms import SHIPPED_FORMS
-from mimics_app.app.study.study_folder import StudyFolder
+from mimics_app.app.study.own_bodies import OwnBody, own_body_of
+from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.calibration_record import newest_of
@@ -20,7 +22,7 @@ from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import write_atomically
 from mimics_app.recording.session_header import read_session
 
-__all__ = ["USUAL_STUDY", "fit_of_code", "studies_in", "usual_study"]
+__all__ = ["USUAL_STUDY", "body_of_code", "fit_of_code", "studies_in", "usual_study"]
 
 USUAL_STUDY = "participants"
 """Name of its folder."""
@@ -66,15 +68,36 @@ def fit_of_code(code: str, runs: Path) -> Path | None:
     return _in_studies(code, runs.parent) or _in_runs(code, runs)
 
 
-def _in_studies(code: str, folder: Path) -> Path | None:
+def body_of_code(code: str, runs: Path, scene: Path) -> OwnBody:
+    """Return the own body of a participant in a scene, from the first study beside the run folders that keeps one.
+
+    Raises:
+        SceneError: The scene is faulty.
+    """
+    kept = ((study, person) for study, person in _found(code, runs.parent) if person.avatar)
+    study, person = next(kept, (None, None))
+    return OwnBody() if study is None or person is None else own_body_of(study, person, scene)
+
+
+def _found(code: str, folder: Path) -> Iterator[tuple[StudyFolder, Participant]]:
+    """Yield a participant in each study that has the code; a damaged study is left out."""
     for place in studies_in(folder):
         try:
             study = StudyFolder(place)
             person = next((each for each in study.participants if each.code == code), None)
-            kept = [] if person is None else study.calibrations_of(person)
         except MimicsError:
             continue
-        if person is not None and kept and study.protocol.fitting.on:
+        if person is not None:
+            yield study, person
+
+
+def _in_studies(code: str, folder: Path) -> Path | None:
+    for study, person in _found(code, folder):
+        try:
+            kept = study.calibrations_of(person)
+        except MimicsError:
+            continue
+        if kept and study.protocol.fitting.on:
             file = study.folder_of(person) / _FIT
             newest = newest_of([calibration for _, calibration in kept])
             write_atomically(file, to_json(msgspec.to_builtins(FitFile(newest, study.protocol.fitting))))

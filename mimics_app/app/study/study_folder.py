@@ -46,7 +46,7 @@ __all__ = ["Attempt", "Participant", "StudyFolder", "folder_name"]
 
 _PROTOCOL, _PARTICIPANTS, _JOURNAL = "study.json", "participants.jsonl", "journal.jsonl"
 _ANSWERS, _CALIBRATIONS, _NOTES = "answers.jsonl", "calibrations.jsonl", "notes.jsonl"
-_SETTINGS = ("language", "side", "text", "contrast")
+_SETTINGS = ("language", "side", "text", "contrast", "avatar")
 _LONGEST_NAME = 120
 """Longest name of a participant's folder; a file system takes 255 bytes."""
 _NEW_CODE = "P{:03d}"
@@ -63,6 +63,7 @@ class Participant:
         side: Side that plays, "left" or "right"; "": as the forms say.
         text: "larger": what is over the picture is enlarged; "": as a calibration says.
         contrast: "high": texts, targets and paths have the colours of high contrast; "": the usual ones.
+        avatar: Model that is the participant's own body, a path from the study's folder; "": as the scene has it.
     """
 
     code: str
@@ -71,6 +72,7 @@ class Participant:
     side: str = ""
     text: str = ""
     contrast: str = ""
+    avatar: str = ""
 
     @property
     def line(self) -> bytes:
@@ -232,7 +234,7 @@ class StudyFolder:
             raise SceneError(Issue(str(self.key_file), "", what, phrase("restore the file"))) from error
 
     def with_settings(self, participant: Participant, **settings: str) -> Participant:
-        """Keep language, side, text or contrast of a participant for all runs that follow; return the participant."""
+        """Keep settings of a participant, by their fields, for all runs that follow; return the participant."""
         changed = replace(participant, **settings)  # type: ignore[arg-type]
         with alone_in(self.path):
             listed = [changed if each.code == participant.code else each for each in self.participants]

@@ -16,6 +16,7 @@ from mimics_app.app.scenes.mirrored_scene import why_not_mirrored
 from mimics_app.app.scenes.person_edit import FitFile
 from mimics_app.app.scenes.scene_search import find_scene
 from mimics_app.app.settings import SIDES, Side
+from mimics_app.app.study.own_bodies import own_body_of
 from mimics_app.app.study.protocol import PlannedRun, scene_of, seed_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.terminal.output import say
@@ -211,8 +212,12 @@ def _play(words: Sequence[str]) -> int:
 
 
 def words_of_settings(study: StudyFolder, participant: Participant, scene: Path) -> list[str]:
-    """Return the options of `mimics run` for a participant's code, language, side, text and contrast."""
+    """Return the options of `mimics run` for a participant's code, language, side, text, contrast and own body."""
     words = [f"--participant={participant.code}", *_sided(study, participant, scene)]
+    body = own_body_of(study, participant, scene)
+    if body.why_not:
+        say(body.why_not)
+    words += [] if body.file is None else [f"--avatar={body.file}"]
     words += [f"--language={participant.language}"] if participant.language else []
     words += ["--larger-text"] if participant.text == "larger" else []
     return [*words, *(["--high-contrast"] if participant.contrast == "high" else [])]

@@ -298,7 +298,7 @@ class FormPage:
         row = self.content.rows[self._focus]
         if isinstance(row, PageButton) or row.name in self.content.entered:
             self.chosen = row.name
-        elif row.typed:
+        elif row.typed and not row.choices:
             self._step(1)
         else:
             self._change(1)
