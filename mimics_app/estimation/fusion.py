@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from mimics_app.contracts.messages.feature_names import BREATH_RATE, HAND_POWER, HEART_RATE, RMSSD, SCL, SCR_RATE
+from mimics_app.contracts.messages.feature_names import (
+    BREATH_RATE,
+    HAND_POWER,
+    HEART_RATE,
+    LEG_POWER,
+    RMSSD,
+    SCL,
+    SCR_RATE,
+)
 from mimics_app.contracts.messages.stage_messages import Estimate, FeatureFrame, TrialResult, UserState
 from mimics_app.estimation.trial_view import HEART
 
@@ -65,6 +73,8 @@ _NOISE = 16.0
 """Variance of the heart rate that is not due to work [1/min^2]."""
 _FULL = 1.6
 """Mechanical power that counts as full effort [W]: what an arm on a light robot gives for minutes."""
+_FULL_LEGS = 25.0
+"""Power of both legs that counts as full effort [W]: of a healthy simulated person in the gait orthosis at 0.4 m/s."""
 
 
 _LEAST_SPREAD = {
@@ -102,9 +112,15 @@ class EffortModel:
         """Standard deviation of the effect of work on the heart rate [1/min]: its gain and its time course differ."""
         return math.hypot(math.sqrt(self._variance) * self.effort, _KINETICS * self.gain * self._coming)
 
-    def step(self, power: float | None, seconds: float) -> float:
-        """Advance by a time under a mechanical power [W] and return the effort; None: not measured, taken as 0."""
-        work = 0.0 if power is None else min(max(power / _FULL, 0.0), 1.5)
+    def step(self, power: float | None, seconds: float, full: float = _FULL) -> float:
+        """Advance by a time under a mechanical power [W] and return the effort.
+
+        Args:
+            power: None: not measured, taken as 0.
+            seconds: Time [s].
+            full: Power that counts as full effort [W].
+        """
+        work = 0.0 if power is None else min(max(power / full, 0.0), 1.5)
         slow = _ON_S if work > self.effort else _OFF_S
         self.effort += -math.expm1(-seconds / slow) * (work - self.effort)
         self._coming = abs(work - self.effort)
@@ -187,14 +203,15 @@ class FusionEstimation:
         if features.t_ns == self._state.t_ns:
             return self._state
         values, quality = features.values, features.quality
-        self._effort.step(values.get(HAND_POWER), _STEP_S)
+        legs, hand = values.get(LEG_POWER), values.get(HAND_POWER)
+        self._effort.step(hand, _STEP_S) if legs is None else self._effort.step(legs, _STEP_S, _FULL_LEGS)
         if not self._baseline.done and self._effort.effort < 0.2:
             self._baseline.add(values)
         self._step(values, quality)
         body = [quality[name] for name in ("ecg", "gsr") if name in quality]
         known = self._baseline.done and self._variance < _UNKNOWN**2 and bool(body) and max(body) > _LEAST_QUALITY
         effort = None
-        if HAND_POWER in values:
+        if hand is not None or legs is not None:
             effort = Estimate(min(self._effort.effort, 1.0), 0.02)
         self._state = UserState(
             features.t_ns,

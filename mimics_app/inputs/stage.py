@@ -93,6 +93,7 @@ def _one_pointer(states: Sequence[PointerState]) -> PointerState | None:
 class Movement(SignalSource):
     """A `SignalSource` of "speed" [m/s] and "power" [W] of the hand, and of "head" [rad/s] where the head is tracked.
 
+    In a gait orthosis "speed" is that of the belt, and "leg_power" replaces "power".
     One sample a frame, that of the previous frame. "head" is NaN in a frame without tracking and in the one after it.
     """
 
@@ -106,7 +107,7 @@ class Movement(SignalSource):
         last, self._last = self._last, None
         if last is None:
             return ()
-        pairs = [("speed", last.speed), ("power", last.power)]
+        pairs = [("speed", last.speed), ("leg_power" if last.legs else "power", last.power)]
         if self._turning is not None:
             pairs.append(("head", self._turning))
         return tuple(SignalBlock(name, _RATE, last.t_ns, np.array([value])) for name, value in pairs)

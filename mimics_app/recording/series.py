@@ -23,7 +23,7 @@ from mimics_app.recording.signals import SampledSignal, sampled_signals
 
 __all__ = ["SIGNAL_UNITS", "Batch", "Field", "Series", "SeriesGap", "series_of"]
 
-SIGNAL_UNITS = {"ecg": "mV", "emg": "mV", "gsr": "uS", "speed": "m/s", "power": "W", "head": "rad/s"}
+SIGNAL_UNITS = {"ecg": "mV", "emg": "mV", "gsr": "uS", "speed": "m/s", "power": "W", "leg_power": "W", "head": "rad/s"}
 """Unit of each signal; "" where it depends on the sensor."""
 
 _ROWS = 8192

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from mimics_app.contracts.messages.action_space import ActionSpace, Parameter
 from mimics_app.contracts.messages.stage_messages import SignalBlock
@@ -13,8 +14,14 @@ from mimics_app.learning.goals import build_goal
 from tests.support.body_signals import body
 
 
-def estimate(seconds: int, seed: int, power: float, demand: float) -> tuple[list[float], float]:
-    """Arousal from the end of the rest (90 s) on, one a second, and the effort at the end."""
+def estimate(
+    seconds: int, seed: int, power: float, demand: float, signal: str = "power", measured: float | None = None
+) -> tuple[list[float], float]:
+    """Arousal from the end of the rest (90 s) on, one a second, and the effort at the end.
+
+    The work of the body is that of an arm of so much power; `measured` is what a signal of other limbs shows of it.
+    """
+    shown = power if measured is None else measured
     signals, _ = body(
         seconds,
         seed,
@@ -25,7 +32,7 @@ def estimate(seconds: int, seed: int, power: float, demand: float) -> tuple[list
     for second in range(seconds):
         t_ns = second * 10**9
         blocks = [SignalBlock(n, 1000.0, t_ns, v[1000 * second : 1000 * second + 1000]) for n, v in signals.items()]
-        blocks.append(SignalBlock("power", 60.0, t_ns, np.full(60, power if second > 120 else 0.0)))
+        blocks.append(SignalBlock(signal, 60.0, t_ns, np.full(60, shown if second > 120 else 0.0)))
         state = estimation.update(dsp.process(blocks, t_ns + 10**9))
         if second > 90 and state.arousal is not None:
             arousal.append(state.arousal.mean)
@@ -42,6 +49,17 @@ def test_pure_effort_is_not_reported_as_arousal() -> None:
     rest, _ = estimate(420, 1, power=0.0, demand=float("nan"))
     assert abs(np.mean(arousal[-150:]) - np.mean(rest[-150:])) <= 0.1
     assert effort > 0.6
+
+
+def test_who_walks_faster_makes_more_effort_and_is_not_more_aroused() -> None:
+    """The power of both legs at three speeds of the belt, and the work of the heart that goes with it."""
+    rest, _ = estimate(420, 1, power=0.0, demand=float("nan"), signal="leg_power")
+    efforts = []
+    for share in (0.25, 0.5, 0.75):
+        arousal, effort = estimate(420, 1, 1.5 * share, float("nan"), "leg_power", 25.0 * share)
+        assert abs(np.mean(arousal[-150:]) - np.mean(rest[-150:])) <= 0.1
+        efforts.append(effort)
+    assert efforts == pytest.approx([0.25, 0.5, 0.75], abs=0.02)
 
 
 def test_too_hard_a_task_is() -> None:

@@ -60,6 +60,7 @@ def make_snapshot(now_ns: int = 0, **changes: Any) -> HapticSnapshot:
         "belt_travel": 0.0,
         "left_strikes": -1,
         "right_strikes": -1,
+        "torque_meas": np.zeros(len(START)),
         "poses": np.zeros((0, 7)),
     }
     return HapticSnapshot(**(values | changes))

@@ -304,7 +304,7 @@ def test_every_feature_has_a_unit() -> None:
     signals, _ = body(240)
     rng = np.random.default_rng(3)
     signals["emg"] = rng.standard_normal(240_000) * np.where(np.arange(240_000) < 3000, 0.01, 1.0)
-    moving = {name: np.abs(rng.standard_normal(240_000)) for name in ("speed", "power", "head")}
+    moving = {name: np.abs(rng.standard_normal(240_000)) for name in ("speed", "power", "leg_power", "head")}
     dsp, names = PhysioDsp(), set[str]()
     for i in range(240):
         second = slice(1000 * i, 1000 * i + 1000)

@@ -16,9 +16,10 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.app.physio.watch import Watch
+from mimics_app.app.session.frame import experience_of
 from mimics_app.app.session.watches import SignalWatch
 from mimics_app.contracts.errors import DeviceError, SceneError, UsageError
-from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock
+from mimics_app.contracts.messages.stage_messages import Experience, SignalBlock, TaskOrders
 from mimics_app.contracts.ports.plugins import PluginGroup
 from mimics_app.dsp.stage import PhysioDsp
 from mimics_app.inputs.physio import sources
@@ -35,6 +36,7 @@ from mimics_app.maths.poses import rotation_from_vector
 from tests.support.amplifier import AmplifierEmulator, binary_header, binary_samples, opened
 from tests.support.body_signals import body
 from tests.support.command import mimics
+from tests.support.task_play import make_snapshot
 
 SECOND = 1_000_000_000
 
@@ -401,6 +403,19 @@ def test_the_movement_is_a_signal() -> None:
     movement.take_experience(Experience(0, speed=0.2, power=0.5))
     speed, power = movement.read(16_000_000)
     assert (speed.name, speed.values.tolist(), power.name, power.values.tolist()) == ("speed", [0.2], "power", [0.5])
+
+
+def test_legs_on_a_treadmill_have_the_speed_of_the_belt_and_the_power_of_their_joints() -> None:
+    """Two frames, 0.1 s apart: 20 N m that bend by 0.5 rad/s, and 4 N m that yield to 1 rad/s."""
+    walk = {"gait_state": 1, "v_world": np.ones(3), "f_user_world": np.ones(3)}
+    before = make_snapshot(0, q=np.zeros(4), torque_meas=np.zeros(4), **walk)
+    torques, q = np.array([20.0, -4.0, 0.0, 5.0]), np.array([0.05, 0.1, 0.3, 0.0])
+    now = make_snapshot(SECOND // 10, q=q, torque_meas=torques, belt_travel=0.04, **walk)
+    seen = experience_of(TaskOrders(), before, now, None, SECOND // 10)
+    assert (seen.speed, seen.power) == pytest.approx((0.4, 6.0))
+    movement = Movement()
+    movement.take_experience(seen)
+    assert [block.name for block in movement.read(0)] == ["speed", "leg_power"]
 
 
 @pytest.mark.parametrize("turn", [0.02, 2.5])

@@ -18,7 +18,7 @@ from mimics_app.app.session.visible_scene import VisibleScene
 from mimics_app.app.session.watches import RecorderWatch, SignalWatch, TactileWatch
 from mimics_app.app.stage_timer import UNTIMED
 from mimics_app.app.terminal.output import say
-from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, ticks_until_frame
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, TICKS_PER_SECOND, ticks_until_frame
 from mimics_app.contracts.errors import counted
 from mimics_app.contracts.loop.haptic import EVENT, EventKind
 from mimics_app.contracts.messages.board import Board
@@ -36,7 +36,7 @@ from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.contracts.ports.tracker_port import TrackedPose
 from mimics_app.maths.length import length
 
-__all__ = ["Frames", "LossWatch"]
+__all__ = ["Frames", "LossWatch", "experience_of"]
 
 _LONGEST_START = 20 * FRAMES_PER_SECOND
 """Largest number of frames for the robot to reach the start of a trial."""
@@ -194,7 +194,8 @@ class Frames:
             self._visible.light(orders, events, timing.display_ns)
             core.sound.step(with_gait_cues(orders, events), core.world, now_ns)
         with stage("record"):
-            core.inputs.take_experience(_experience_of(orders, snapshot, core.trackers.pose("head", now_ns), now_ns))
+            head = core.trackers.pose("head", now_ns)
+            core.inputs.take_experience(experience_of(orders, self.snapshot, snapshot, head, now_ns))
             core.signal_recorder.step(self.number, vr.signals, features, state)
             self._journal(vr, taken, snapshot, len(events), now_ns)
             core.outlets.step(snapshot, events, features, state, now_ns)
@@ -273,16 +274,44 @@ class Frames:
         self._core.haptics.send_pointer(vr.pointer, trial=trial, may_act=orders.person_may_act)
 
 
-def _experience_of(orders: TaskOrders, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int) -> Experience:
-    """Return the speed, power, head, demand and result of the person in a frame."""
-    velocity = snapshot.v_world
-    power = float(snapshot.f_user_world.dot(velocity))
+def experience_of(
+    orders: TaskOrders, before: HapticSnapshot | None, snapshot: HapticSnapshot, head: TrackedPose | None, now_ns: int
+) -> Experience:
+    """Return the speed, power, head, demand and result of the person in a frame.
+
+    Args:
+        orders: Orders of the task.
+        before: Haptic state of the previous frame; None in the first.
+        snapshot: That of this frame.
+        head: Pose of the head; None: not tracked.
+        now_ns: Time of the frame.
+    """
+    legs = snapshot.gait_state >= 0
+    speed, power = _of_legs(before or snapshot, snapshot) if legs else _of_hand(snapshot)
     return Experience(
         now_ns,
-        speed=length(velocity),
+        speed=speed,
         power=max(power, 0.0),
+        legs=legs,
         head=None if head is None or head.stale else head.pose,
         demand=orders.demand,
         acting=orders.person_may_act,
         result=orders.result,
     )
+
+
+def _of_hand(snapshot: HapticSnapshot) -> tuple[float, float]:
+    """Return the speed [m/s] and the power [W] of the hand."""
+    return length(snapshot.v_world), float(snapshot.f_user_world.dot(snapshot.v_world))
+
+
+def _of_legs(before: HapticSnapshot, snapshot: HapticSnapshot) -> tuple[float, float]:
+    """Return the speed of the belt [m/s] and the power of both legs at the joints of the orthosis [W].
+
+    Each is a mean over the frame; a joint that yields to the drive takes power from the sum.
+    """
+    seconds = (snapshot.tick - before.tick) / TICKS_PER_SECOND
+    if seconds <= 0.0:
+        return 0.0, 0.0
+    power = snapshot.torque_meas.dot(snapshot.q - before.q) / seconds
+    return (snapshot.belt_travel - before.belt_travel) / seconds, float(power)

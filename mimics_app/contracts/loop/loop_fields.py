@@ -275,7 +275,9 @@ LOOP_FIELDS: tuple[LoopField, ...] = (
     LoopField("lateness_ns", "ns", Replay.TIMING, ""),  # wake-up after the release
     LoopField("duration_ns", "ns", Replay.TIMING, ""),  # work of the tick
     # devices with torques
-    _of_joints("torque_meas", Replay.INPUT, per=Per.TORQUE),  # of the user on the joints, beside the forces on points
+    _of_joints(
+        "torque_meas", Replay.INPUT, reader="app", per=Per.TORQUE
+    ),  # of the user on the joints, beside the forces on points
     _of_joints("torque_command", Replay.OUTPUT, per=Per.TORQUE),  # torques sent
     # oscillation
     _of_points("calm", "1", Replay.OUTPUT, reader="app"),  # share of the force that the detector of oscillation left
@@ -344,6 +346,7 @@ class HapticSnapshot(PointSnapshot):
 
     Attributes:
         q: Measured joints, shape [joints of the device].
+        torque_meas: Torques of the user on the joints [N, N m], shape [joints of the device].
         poses: Position xyz [m] and quaternion xyzw of each body, world, shape [capacity, 7].
         further: The points of contact after the first; () for a device with one.
     """
@@ -360,6 +363,7 @@ class HapticSnapshot(PointSnapshot):
     belt_travel: float
     left_strikes: int
     right_strikes: int
+    torque_meas: Vec
     quiet_ticks: int
     poses: Vec
     further: tuple[PointSnapshot, ...] = ()

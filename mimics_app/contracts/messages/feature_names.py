@@ -16,6 +16,7 @@ __all__ = [
     "HEART_RATE",
     "HF",
     "HRV_WINDOW_S",
+    "LEG_POWER",
     "LF",
     "LF_HF",
     "PHASIC",
@@ -53,3 +54,4 @@ BREATH_DEPTH = "breath_depth"
 BREATH_RATIO = "breath_ratio"
 BREATH_VARIABILITY = "breath_variability"
 HAND_POWER = "hand_power"
+LEG_POWER = "leg_power"

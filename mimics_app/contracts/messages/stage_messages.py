@@ -85,7 +85,7 @@ class SignalBlock:
     """Raw samples of one signal: values [shape n] at `rate` [Hz], the first at `t_ns`; NaN: missing.
 
     Body signals are "ecg" [mV], "gsr" [uS], "emg" [mV], "resp" [any unit]; of the movement "speed" [m/s] and
-    "power" [W] of the hand, "head" [rad/s].
+    "power" [W] of the hand, or "speed" of the belt and "leg_power" [W], and "head" [rad/s].
     """
 
     name: str
@@ -186,8 +186,9 @@ class Experience:
 
     Attributes:
         t_ns: Time of the frame.
-        speed: Speed of the hand [m/s].
+        speed: Speed of the hand, or of the treadmill's belt [m/s].
         power: Mechanical power from the person into the robot [W]; negative power counts as 0.
+        legs: Whether the person walks in a gait orthosis: `power` is that of both legs.
         head: room_from_head, float64 [4, 4]; None: not tracked in this frame.
         demand: Difficulty of the task, 0 to 1 within the range of its parameters; None: not known.
         acting: True while the person may act.
@@ -197,6 +198,7 @@ class Experience:
     t_ns: int
     speed: float = 0.0
     power: float = 0.0
+    legs: bool = False
     head: NDArray[np.float64] | None = None
     demand: float | None = None
     acting: bool = False

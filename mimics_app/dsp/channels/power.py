@@ -30,7 +30,7 @@ class Power(Channel):
         good = raw[np.isfinite(raw)]
         if not len(good):
             return FeatureSet({}, 0.0)
-        return FeatureSet({HAND_POWER: float(np.mean(good))}, len(good) / len(raw))
+        return FeatureSet(dict.fromkeys(self.features, float(np.mean(good))), len(good) / len(raw))
 
 
 CHANNEL = Power

@@ -93,7 +93,7 @@ def newest_snapshot(memory: SessionMemory, joints: int, contacts: int) -> Haptic
     # The bytes: numpy copies a record field by field, which takes three times as long.
     record = np.frombuffer(bytearray(memory.snapshots[slot].tobytes()), memory.snapshots.dtype)
     values: dict[str, Any] = dict(zip(record.dtype.names or (), record.item(), strict=True))
-    values["q"] = values["q"][:joints]
+    values |= {name: values[name][:joints] for name in ("q", "torque_meas")}
     rows = values.pop(FURTHER)[: max(0, contacts - 1)]
     further = tuple(PointSnapshot(**dict(zip(rows.dtype.names, row.item(), strict=True))) for row in rows)
     return HapticSnapshot(**values, poses=memory.poses[slot].copy(), further=further)

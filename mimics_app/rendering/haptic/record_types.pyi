@@ -401,6 +401,7 @@ class SnapshotRecord:
     margin: float
     energy: float
     stiffness_share: float
+    torque_meas: Floats
     calm: float
     phase: float
     gait_state: int

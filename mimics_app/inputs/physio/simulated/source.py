@@ -36,6 +36,9 @@ class Preset:
 
 _WITH_HEART = {kind.heart: kind for kind in KINDS}
 
+_LEGS_PER_ARM = 16.0
+"""Mechanical power of two legs that are as busy as an arm, as a multiple of the arm's."""
+
 PRESETS: dict[str, Preset] = {
     "healthy": Preset(0.7, "finds the task easy"),
     "moderate": Preset(0.5, "finds the task just right"),
@@ -103,4 +106,6 @@ class SimulatedBody(SignalSource):
 
 
 def _of(experiences: list[Experience]) -> tuple[list[float], list[float]]:
-    return [each.power for each in experiences], [each.speed for each in experiences]
+    return [each.power / (_LEGS_PER_ARM if each.legs else 1.0) for each in experiences], [
+        each.speed for each in experiences
+    ]
