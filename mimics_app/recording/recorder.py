@@ -32,6 +32,7 @@ from mimics_app.recording.run_folder import FILES, write_atomically
 from mimics_app.recording.signal_rows import SignalRow, pack_signals
 
 if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
     from multiprocessing.context import SpawnProcess
 
 __all__ = ["Recorder"]
@@ -81,6 +82,9 @@ class Recorder:
         self._outbox = Outbox()
         self._status = RecorderStatus()
         self._process: SpawnProcess | None = None
+        self._standby: SpawnProcess | None = None
+        self._keeps_standby = False
+        self._life: Connection | None = None
         self._clock: Clock = MonotonicClock()
         self.restarts = 0
         self.listener: Callable[[str, Mapping[str, object]], None] = _ignore
@@ -106,7 +110,7 @@ class Recorder:
         write_atomically(
             self.folder / FILES["session"], msgspec.json.format(to_json({**session, **self._header}), indent=1)
         )
-        self._spawn()
+        self._process = self._spawn(0)
         if wait:
             self.wait_until_ready()
 
@@ -117,7 +121,7 @@ class Recorder:
             PartialDataError: The process does not start.
         """
         deadline = self._clock.now_ns() + int(_START_S * 1e9)
-        while not self._status[StatusWord.READY]:
+        while not self.ready:
             if self._clock.now_ns() > deadline or not self.alive:
                 self._give_up_start()
             self._clock.sleep_until_ns(self._clock.now_ns() + 1_000_000)
@@ -131,12 +135,29 @@ class Recorder:
             why = "see the message above" if ended >= 0 else f"it was ended by {signal.Signals(-ended).name}"
         raise PartialDataError(f"the recorder of {self.folder} does not start", why)
 
-    def _spawn(self) -> None:
-        """Start the process; its target's module imports no compiler, which would double the start-up time."""
-        arguments = (self._memory, self._outbox.reader, self._status, self.folder, self.restarts)
-        self._process = get_context("spawn").Process(target=record, args=arguments, name="mimics recorder")
+    def keep_standby(self) -> None:
+        """Keep a second process started that takes over when the first one dies, even if the application is gone too.
+
+        For a live session: until a replacement were started, nobody but the application would hold the rings.
+        """
+        self._keeps_standby = True
+        self.supervise()
+
+    def _spawn(self, number: int) -> SpawnProcess:
+        """Start a process; its target's module imports no compiler, which would double the start-up time.
+
+        It records when the one before it is gone, which it sees by the end of a pipe that only that one can write.
+        """
+        context = get_context("spawn")
+        before, (self._life, held) = self._life, context.Pipe(duplex=False)
+        arguments = (self._memory, self._outbox.reader, self._status, self.folder, number, before, held)
+        process = context.Process(target=record, args=arguments, name="mimics recorder")
         with signals_blocked(*IGNORED), main_hidden():
-            self._process.start()
+            process.start()
+        held.close()
+        if before is not None:
+            before.close()
+        return process
 
     @property
     def alive(self) -> bool:
@@ -158,7 +179,7 @@ class Recorder:
     @property
     def ready(self) -> bool:
         """Whether the present process has its files open."""
-        return bool(self._status[StatusWord.READY])
+        return self._status[StatusWord.READY] > self.restarts
 
     @property
     def holds_s(self) -> float:
@@ -178,14 +199,15 @@ class Recorder:
         """
         self._check_passes(replace=True)
         if not (self._closed or self._given_up or self._process is None or self.alive):
-            if self.restarts == 0 and not self._status[StatusWord.READY]:
+            if self.restarts == 0 and not self.ready:
                 self._give_up_start()
             self._given_up = self.restarts == _MOST_RESTARTS
             if not self._given_up:
                 self.restarts += 1
-                self._status[StatusWord.READY] = 0
-                self._spawn()
+                self._process, self._standby = self._standby or self._spawn(self.restarts), None
                 self._send_again()
+        elif self._keeps_standby and self._standby is None and self.ready and self.restarts < _MOST_RESTARTS:
+            self._standby = self._spawn(self.restarts + 1)
         self._outbox.flush()
 
     def _check_passes(self, *, replace: bool) -> None:
@@ -196,7 +218,7 @@ class Recorder:
         """
         now_ns, passes = self._clock.now_ns(), int(self._status[StatusWord.PASSES])
         step_ns, self._looked_ns = min(now_ns - self._looked_ns, _LONGEST_STEP_NS), now_ns
-        if passes != self._passes or not self._status[StatusWord.READY] or self._process is None:
+        if passes != self._passes or not self.ready or self._process is None:
             self._passes, self._still_ns = passes, 0
             return
         before_ns, self._still_ns = self._still_ns, self._still_ns + step_ns
@@ -329,7 +351,7 @@ class Recorder:
         """Close the channel and kill the process; what was written remains."""
         self._closed = True
         self._finalize()
-        if self._process is not None:
-            if self._process.is_alive():
-                self._process.kill()
-            self._process.join()
+        for process in (self._standby, self._process):  # in this order: the first would take over from the second
+            if process is not None:
+                process.kill()
+                process.join()

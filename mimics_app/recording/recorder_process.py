@@ -2,7 +2,7 @@
 
 A record leaves its ring only after it is written: killing this process loses nothing, as long as the ring does not
 overflow before the next one continues. Killing the application loses nothing either: the rings and the channel outlive
-it and are emptied first.
+it and are emptied first. A standby process, which waits for the end of the recorder, keeps them when both are killed.
 """
 
 from __future__ import annotations
@@ -66,7 +66,15 @@ _CLOCK_JUMP_S = 0.1
 _REPLACED, _RING, _DISK = "the recorder was replaced", "the ring was full", "the disk took no more"
 
 
-def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, folder: Path, restarts: int) -> None:
+def record(
+    memory: SessionMemory,
+    reader: Connection,
+    status: RecorderStatus,
+    folder: Path,
+    restarts: int,
+    before: Connection | None,
+    life: Connection,
+) -> None:
     """Record until the application closes the session or dies. Target of the spawned process.
 
     Args:
@@ -75,11 +83,17 @@ def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, fo
         status: Status words read by the application.
         folder: The run folder, made by the application.
         restarts: Number of recorders of this run that died before; above 0: continue in the existing files.
+        before: Ends when the recorder before this one is gone, and this one's turn has come; None: there was none.
+        life: The other end of the same for the next one; held as long as this process lives.
     """
     ignore_signals(*IGNORED)
+    if before is not None:
+        before.poll(None)
+        if status[StatusWord.SEALED]:
+            return
     session = _Session(memory, Inbox(reader), status, folder, restarts)
     clock = MonotonicClock()
-    status[StatusWord.READY] = 1
+    status[StatusWord.READY] = restarts + 1
     while not session.over:
         busy = session.step(clock.now_ns())
         if not session.over:
@@ -87,6 +101,7 @@ def record(memory: SessionMemory, reader: Connection, status: RecorderStatus, fo
     if session.finish():
         status[StatusWord.SEALED] = 1
     gc.freeze()  # no collection at the exit
+    life.close()
 
 
 @dataclass

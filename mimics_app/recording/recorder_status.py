@@ -17,7 +17,7 @@ _SPECS: list[ArraySpec] = [("words", (16,), np.int64)]
 class StatusWord(IntEnum):
     """Indices of the words, written by the recorder."""
 
-    READY = 0  # 1: the files are open
+    READY = 0  # number of recorders of this run that opened the files
     ROWS = 1  # samples taken from the ring
     EVENTS = 2  # loop events on disk
     TRIALS = 3  # finished trials on disk

@@ -90,9 +90,9 @@ def kill_in_order(page: PageAddress, runs: Path, order: tuple[str, ...], seed: i
     words = ["run", "wavy_tunnel", "--headless", "--console", "0", "--operator-lost", "continue", "--pictures", "0"]
     words += ["--sound", "off", "--trials", "100", "--runs", str(runs)]
     run = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], cwd=ROOT, stderr=subprocess.DEVNULL)
-    origin, cookie = enter(page)
-    address, headers = origin.replace("http", "ws") + "/live", {"Cookie": cookie}
     try:
+        origin, cookie = enter(page)
+        address, headers = origin.replace("http", "ws") + "/live", {"Cookie": cookie}
         with connect(address, origin=Origin(origin), additional_headers=headers, max_queue=None) as client:
             seen = Watched(client)
             waited("tick", lambda: seen.look(0.1) or seen.ticks > 500)
@@ -104,7 +104,10 @@ def kill_in_order(page: PageAddress, runs: Path, order: tuple[str, ...], seed: i
     waited("end of the recorder", lambda: recorder_of(folder) == 0)
     waited("page", lambda: answers(page))
     kept = Run.open(folder)
-    assert len(kept.haptic) and int(kept.haptic["tick"].max()) >= seen.ticks - MOST_LOST_TICKS, (order, seed)
+    last = int(kept.haptic["tick"].max()) if len(kept.haptic) else -1
+    restarts = kept.lines_of("recorder", "restart")
+    lost = f"{order}, {seed}: {seen.ticks - last} ticks lost, gaps {kept.gaps}, restarts {restarts}"
+    assert last >= seen.ticks - MOST_LOST_TICKS, lost
     finished = {(row["trial"], row["attempt"]) for row in kept.trials}
     assert {(trial["trial"], trial["attempt"]) for trial in seen.trials} <= finished
     assert recover(folder).verdict.status in ("interrupted", "recovered")

@@ -116,6 +116,27 @@ def test_app_killed_loses_at_most_100_ms_and_no_finished_trial(tmp_path: Path, m
     _kill_apps(tmp_path, moments)
 
 
+def test_the_standby_writes_what_a_starved_recorder_left_when_the_app_dies_with_it(tmp_path: Path) -> None:
+    (app,) = _start_apps(tmp_path, 1)
+    try:
+        app.wait_until(lambda: app.words[TICK] > 300)
+        recorder = int(app.words[PID])
+        os.kill(recorder, signal.SIGSTOP)
+        stopped_at = int(app.words[TICK])
+        app.wait_until(lambda: app.words[TICK] > stopped_at + 5 * MOST_LOST_TICKS)
+        shown = int(app.words[TICK])
+        os.kill(recorder, signal.SIGKILL)
+        os.kill(app.process.pid, signal.SIGKILL)
+        deadline = time.monotonic() + 30
+        while (run := Run.open(app.folder)).manifest is None:
+            assert time.monotonic() < deadline, "no standby closes the run"
+            time.sleep(0.05)
+        assert run.manifest.restarts == 1 and run.haptic["tick"].max() >= shown
+        _assert_rows_are_those_pushed(run)
+    finally:
+        app.end()
+
+
 def test_a_session_under_way_is_not_repaired_before_its_end(tmp_path: Path) -> None:
     """Repairing takes the files from under the recorder: what it wrote after that would be lost."""
     (app,) = _start_apps(tmp_path, 1)

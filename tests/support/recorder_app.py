@@ -63,6 +63,7 @@ def main(folder: Path, words_path: Path, seconds: float) -> None:
     memory = SessionMemory()
     recorder = Recorder(memory, folder, {"seed": 1})
     recorder.start()
+    recorder.keep_standby()
     recorder.parameters(scene_block())
     words[PID] = recorder.pid
     done = threading.Event()

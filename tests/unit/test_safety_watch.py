@@ -129,7 +129,12 @@ def test_a_recorder_that_dies_each_time_is_given_up_in_one_line(tmp_path, monkey
     recorder = Recorder(SessionMemory(), tmp_path, {})
     dead: Any = SimpleNamespace(is_alive=lambda: False, pid=0)
     recorder._process, recorder._status[StatusWord.READY] = dead, 1
-    monkeypatch.setattr(recorder, "_spawn", lambda: recorder._status.__setitem__(StatusWord.READY, 1))
+
+    def spawn(number: int) -> Any:
+        recorder._status[StatusWord.READY] = number + 1
+        return dead
+
+    monkeypatch.setattr(recorder, "_spawn", spawn)
     watch = RecorderWatch(recorder)
     for _ in range(10):
         recorder.supervise()

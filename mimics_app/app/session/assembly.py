@@ -52,6 +52,7 @@ def build_session(
         session = _assemble(parts, stack)
         if session.live:  # on the virtual clock the loop waits for room in the buffers instead
             session.recorder.wait_until_ready()
+            session.recorder.keep_standby()
         session.trackers.start()
         session.on_close = stack.pop_all()
     session.begin()
