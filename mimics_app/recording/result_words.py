@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 from mimics_app.contracts.messages.trial_counts import (
     COUNTED_TRIALS,
@@ -20,6 +20,8 @@ from mimics_app.recording.report_values import number
 __all__ = [
     "finished_time",
     "mean_time",
+    "mean_words",
+    "measure_caption",
     "of_same_settings",
     "outcome_word",
     "result_sentence",
@@ -32,25 +34,40 @@ _OUTCOMES = {FINISHED: phrase("finished"), "timeout": phrase("time over"), "abor
 _NOTABLE = 0.02
 """Smallest relative difference to the last session's time that is mentioned."""
 
-_COLUMNS: tuple[tuple[str, str, Callable[[float], str]], ...] = (
-    ("time_s", phrase("Time"), lambda value: f"{value:.1f} s"),
-    ("path_error_rms_m", phrase("Off the line"), lambda value: f"{1e3 * value:.1f} mm"),
-    ("contacts", phrase("Contacts"), lambda value: f"{value:.0f}"),
-    ("drops", phrase("Drops"), lambda value: f"{value:.0f}"),
-    ("bruises", phrase("Bruises"), lambda value: f"{value:.0f}"),
-    ("distance_m", phrase("Walked"), lambda value: f"{value:.0f} m"),
-    ("walk_speed_mps", phrase("Speed"), lambda value: f"{value:.2f} m/s"),
-    ("symmetry", phrase("Even steps"), lambda value: f"{100.0 * value:.0f} %"),
-    ("missteps", phrase("Missteps"), lambda value: f"{value:.0f}"),
-    ("walk_steps", phrase("Steps"), lambda value: f"{value:.0f}"),
-    ("walk_left_m", phrase("Left to the place"), lambda value: f"{value:.1f} m"),
-    ("taps", phrase("Taps"), lambda value: f"{value:.0f}"),
-    ("ownership", phrase("Ownership"), lambda value: f"{value:+.1f}"),
-    ("drift_m", phrase("Drift"), lambda value: f"{value:.2f} m"),
-    ("path_m", phrase("Path"), lambda value: f"{value:.2f} m"),
-    ("score", phrase("Score of 100"), lambda value: f"{value:.0f}"),
+
+class _Column(NamedTuple):
+    """A measure of a trial: column of trials.csv, caption, format of a value, unit, and factor to that unit."""
+
+    name: str
+    caption: str
+    form: str
+    unit: str = ""
+    factor: float = 1.0
+
+    def text(self, value: float, form: str = "") -> str:
+        """Return a value with its unit, in the present language."""
+        return translated(f"{self.factor * value:{form or self.form}} {self.unit}".rstrip())
+
+
+_COLUMNS = (
+    _Column("time_s", phrase("Time"), ".1f", "s"),
+    _Column("path_error_rms_m", phrase("Off the line"), ".1f", "mm", 1e3),
+    _Column("contacts", phrase("Contacts"), ".0f"),
+    _Column("drops", phrase("Drops"), ".0f"),
+    _Column("bruises", phrase("Bruises"), ".0f"),
+    _Column("distance_m", phrase("Walked"), ".0f", "m"),
+    _Column("walk_speed_mps", phrase("Speed"), ".2f", "m/s"),
+    _Column("symmetry", phrase("Even steps"), ".0f", "%", 100.0),
+    _Column("missteps", phrase("Missteps"), ".0f"),
+    _Column("walk_steps", phrase("Steps"), ".0f"),
+    _Column("walk_left_m", phrase("Left to the place"), ".1f", "m"),
+    _Column("taps", phrase("Taps"), ".0f"),
+    _Column("ownership", phrase("Ownership"), "+.1f"),
+    _Column("drift_m", phrase("Drift"), ".2f", "m"),
+    _Column("path_m", phrase("Path"), ".2f", "m"),
+    _Column("score", phrase("Score of 100"), ".0f"),
 )
-"""Measures of a trial that the table shows where a trial has them: column of trials.csv, caption, text."""
+"""Measures of a trial that the table shows where a trial has them."""
 
 _NOT_OF_WALKS = "path_m"
 """Column that says nothing about a walk, which the hand only steers."""
@@ -111,9 +128,9 @@ def trial_lines(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tupl
     if not rows:
         return [], []
     walks = any(_has(row, "walk_speed_mps") for row in rows)
-    columns = [column for column in _COLUMNS if not (walks and column[0] == _NOT_OF_WALKS)]
-    shown = [column for column in columns if any(_has(row, column[0]) for row in rows)]
-    head = [translated(each) for each in (phrase("Trial"), phrase("Result"), *(caption for _, caption, _ in shown))]
+    columns = [column for column in _COLUMNS if not (walks and column.name == _NOT_OF_WALKS)]
+    shown = [column for column in columns if any(_has(row, column.name) for row in rows)]
+    head = [translated(each) for each in (phrase("Trial"), phrase("Result"), *(each.caption for each in shown))]
     return head, [(name, _outcome(row), *_cells(row, shown)) for name, row in zip(trial_names(rows), rows, strict=True)]
 
 
@@ -147,8 +164,19 @@ def _has(row: Mapping[str, Any], column: str) -> bool:
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 
-def _cells(row: Mapping[str, Any], shown: Sequence[tuple[str, str, Callable[[float], str]]]) -> list[str]:
-    return [translated(text(float(row[key]))) if _has(row, key) else "" for key, _, text in shown]
+def measure_caption(column: str, otherwise: str) -> str:
+    """Return the caption of a measure as in the table of the trials, or, where that has none, other words."""
+    return translated(next((each.caption for each in _COLUMNS if each.name == column), otherwise))
+
+
+def mean_words(column: str, value: float) -> str:
+    """Return a mean or a difference to three digits, in the unit of the table of the trials where that has one."""
+    known = next((each for each in _COLUMNS if each.name == column), _Column(column, "", ""))
+    return known.text(value, ".3g")
+
+
+def _cells(row: Mapping[str, Any], shown: Sequence[_Column]) -> list[str]:
+    return [each.text(float(row[each.name])) if _has(row, each.name) else "" for each in shown]
 
 
 def _against_last(rows: Sequence[Mapping[str, Any]], earlier: Sequence[EarlierRun]) -> list[str]:

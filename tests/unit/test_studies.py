@@ -20,11 +20,12 @@ from scipy import stats
 
 from mimics_app.app import cli
 from mimics_app.app.study import study_runs
-from mimics_app.app.study.change import change_of, paired_difference
+from mimics_app.app.study.change import Interval, change_of, paired_difference
 from mimics_app.app.study.counterbalance import balanced_square, latin_square, order_of
 from mimics_app.app.study.forms import SHIPPED_FORMS, Form, Item, check_answers
+from mimics_app.app.study.study_export import _About, _write_page
 from mimics_app.app.study.study_folder import StudyFolder, folder_name
-from mimics_app.app.study.study_results import changes_of, effects_of, trials_of
+from mimics_app.app.study.study_results import Change, changes_of, effects_of, trials_of
 from mimics_app.app.study.study_runs import find_next, play_next
 from mimics_app.contracts.errors import OutputError, SceneError, UsageError
 from mimics_app.recording.trial_table import table_text
@@ -120,6 +121,15 @@ def test_any_code_is_safe_in_paths_and_tables(study: StudyFolder, played: Played
 def test_a_code_that_is_too_long_for_a_folder_is_shortened_without_a_clash() -> None:
     names = {folder_name("ü" * 59 + end) for end in "ab"}
     assert len(names) == 2 and max(map(len, names)) <= 120
+
+
+def test_measures_have_captions_and_units_on_the_pages(study: StudyFolder, tmp_path: Path) -> None:
+    person = study.find_or_add("P1")
+    means = [Interval(0.0123, 0.01, 0.015, 4), Interval(0.0062, None, None, 1)]
+    about = _About(changes=[Change("seen", "path_error_rms_m", means, means[0])])
+    _write_page(tmp_path / "page.html", study, person.code, {"path_error_rms_m": "Distance [m]."}, about=about)
+    row = next(line for line in (tmp_path / "page.html").read_text(encoding="utf-8").splitlines() if "seen" in line)
+    assert "<td>Off the line</td><td>12.3 mm → 6.2 mm</td><td>12.3 mm (10 mm to 15 mm)</td>" in row
 
 
 def test_nothing_is_overwritten(study: StudyFolder) -> None:

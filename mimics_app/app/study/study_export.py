@@ -22,6 +22,7 @@ from mimics_app.contracts.system.phrases import phrase
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.history import local_time
+from mimics_app.recording.result_words import mean_words, measure_caption
 from mimics_app.recording.run_folder import PRIVATE_FOLDER
 
 __all__ = ["export_study", "write_participant_page"]
@@ -175,9 +176,11 @@ def _write_page(
     page = environment.get_template("results.html.j2").render(
         language=spoken(),
         translated=translated,
+        value=mean_words,
         title=study.title,
         participant=participant,
         measures=measures,
+        captions={name: measure_caption(name, what) for name, what in measures.items()},
         effects=effects,
         changes=about.changes,
         answers=[
@@ -203,10 +206,11 @@ def _by_item(answers: Sequence[Mapping[str, object]]) -> list[tuple[str, str, st
     return [(form, label, " → ".join(values)) for (form, label), values in found.items()]
 
 
-def _interval_words(interval: Interval | None) -> str:
+def _interval_words(interval: Interval | None, measure: str) -> str:
     if interval is None:
         return ""
+    mean = mean_words(measure, interval.mean)
     if interval.low is None or interval.high is None:
-        return translated(f"{interval.mean:.3g}")
-    found = {"mean": f"{interval.mean:.3g}", "low": f"{interval.low:.3g}", "high": f"{interval.high:.3g}"}
-    return translated(phrase("{mean:s} ({low:s} to {high:s})", **found))
+        return mean
+    low, high = mean_words(measure, interval.low), mean_words(measure, interval.high)
+    return translated(phrase("{mean:s} ({low:s} to {high:s})", mean=mean, low=low, high=high))
