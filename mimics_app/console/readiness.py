@@ -18,7 +18,7 @@ from msgspec import Meta
 
 from mimics_app.contracts.system.phrases import phrase
 
-__all__ = ["Choice", "Light", "find_choices", "find_lights", "start_words"]
+__all__ = ["Choice", "Light", "files_of_next", "find_choices", "find_lights", "start_words"]
 
 _LONGEST_S = 120.0
 _LEAST_HOURS = 1.0
@@ -134,9 +134,8 @@ async def find_lights(choice: Choice) -> list[Light]:
     """Return a light for each thing that a session of this choice needs."""
     first = _ask("study", "status", choice.study) if choice.study else _ask("scenes")
     found, devices, doctor = await asyncio.gather(first, _ask("devices"), _ask("doctor"))
-    what = [study_light(choice, found)] if choice.study else await _lights_of_scene(choice, found)
     return [
-        *what,
+        *await (_lights_of_study if choice.study else _lights_of_scene)(choice, found),
         device_light(choice, devices),
         signal_light(choice),
         *machine_lights(doctor),
@@ -148,6 +147,26 @@ async def _lights_of_scene(choice: Choice, scenes: Mapping[str, Any]) -> list[Li
     file = next((each["file"] for each in scenes.get("scenes", []) if each["name"] == choice.scene), "")
     checked = await _ask("check", file) if file else {"errors": [{"what": f"there is no scene {choice.scene}"}]}
     return [scene_light(checked), tracker_light(checked)]
+
+
+async def _lights_of_study(choice: Choice, status: Mapping[str, Any]) -> list[Light]:
+    files = files_of_next(choice, status)
+    checked = await _ask("check", *files) if files else {}
+    return [study_light(choice, status), *([scene_light(checked), tracker_light(checked)] if files else [])]
+
+
+def files_of_next(choice: Choice, status: Mapping[str, Any]) -> list[str]:
+    """Return the scene that the participant of a study plays next; all of the study for a new one, none at the end.
+
+    Args:
+        choice: What was chosen.
+        status: Object of `mimics study status --json`.
+    """
+    scenes: dict[str, str] = status.get("scenes", {})
+    for found in status.get("participants", []):
+        if found.get("participant") == choice.participant:
+            return [] if found.get("over") else [scenes[found["condition"]]]
+    return list(dict.fromkeys(scenes.values()))
 
 
 def machine_lights(doctor: Mapping[str, Any]) -> list[Light]:

@@ -28,6 +28,7 @@ from mimics_app.console.meeting_place import MeetingPlace, PageAddress
 from mimics_app.console.readiness import (
     Choice,
     device_light,
+    files_of_next,
     find_choices,
     machine_lights,
     scene_light,
@@ -291,6 +292,13 @@ def test_the_light_of_a_study_says_what_its_participant_plays_next(
         Choice("a", study="s", participant=participant, interrupted=interrupted), {"participants": rows}
     )
     assert found.light == light and word in found.found and (found.light == "green") == (found.remedy == "")
+
+
+@pytest.mark.parametrize(("participant", "files"), [("P01", ["b"]), ("P02", []), ("P03", ["a", "b"])])
+def test_the_scenes_of_a_study_that_may_come_next_are_checked(participant: str, files: list[str]) -> None:
+    rows = [{"participant": "P01", "condition": "late"}, {"participant": "P02", "over": True}]
+    status = {"participants": rows, "scenes": {"early": "a", "again": "a", "late": "b"}}
+    assert files_of_next(Choice("a", study="s", participant=participant), status) == files
 
 
 def test_a_folder_that_is_no_study_is_said() -> None:

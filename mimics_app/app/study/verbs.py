@@ -11,6 +11,7 @@ from typing import Any
 import msgspec
 
 from mimics_app.app.study.forms import SHIPPED_FORMS, Form, check_answers, item_words
+from mimics_app.app.study.protocol import scene_of
 from mimics_app.app.study.study_export import export_study
 from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import Next, find_next, play_next
@@ -166,7 +167,9 @@ def _status(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
         counts = {name: outcomes.count(name) for name in ("done", "interrupted", "abandoned")}
         rows.append({**_described(find_next(study, participant)), "planned": planned, **counts})
     lines = [f"{row['participant']}: {row['done']} of {row['planned']} runs done" for row in rows]
-    answer(args, {"verb": "status", "title": study.title, "participants": rows}, lines or ["no participants yet"])
+    scenes = {name: str(scene_of(study.protocol_file, each)) for name, each in study.protocol.conditions.items()}
+    about = {"verb": "status", "title": study.title, "participants": rows, "scenes": scenes}
+    answer(args, about, lines or ["no participants yet"])
     return 0
 
 
