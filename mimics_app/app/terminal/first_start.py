@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TextIO
 
 from mimics_app.contracts.clock import Clock, MonotonicClock
+from mimics_app.contracts.system.phrases import phrase
 
 __all__ = ["CompileLine", "is_cold", "say_if_cold"]
 
@@ -65,7 +66,7 @@ class CompileLine:
             return
         if self._tell is not None and now_ns - self._reported_ns >= _NS:
             self._reported_ns = now_ns
-            self._tell(f"Compiling, once for this version: {self._text}")
+            self._tell(phrase("Compiling, once for this version; functions done: {n:d}", n=self._done))
         self._write(now_ns)
 
     @property
