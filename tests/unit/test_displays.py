@@ -23,7 +23,7 @@ from mimics_app.rendering.visual.displays.headset_session import HeadsetDisplay
 from mimics_app.rendering.visual.displays.lens import distort
 from mimics_app.rendering.visual.displays.off_axis import Rectangle, frustum_of
 from mimics_app.rendering.visual.displays.simulated_headset import SimulatedRuntime
-from mimics_app.rendering.visual.displays.stereo import STEREO_KINDS, StereoDisplay, parallax
+from mimics_app.rendering.visual.displays.stereo import STEREO_KINDS, StereoDisplay
 from mimics_app.rendering.visual.displays.wall_file import load_walls
 from mimics_app.rendering.visual.displays.walls import WallDisplay
 from mimics_app.rendering.visual.figures.hud import CANVAS_HEIGHT
@@ -197,7 +197,7 @@ def test_parallax_follows_the_closed_form_and_is_never_vertical(kind: str, depth
     seen = [on_picture(view_of(eye), point[:3]) for eye in (left, right)]
     width = 2.0 * (left.tangents[1] - left.tangents[0])  # of the screen at 2 m
     found = 0.5 * width * (seen[1][0] - seen[0][0])
-    assert abs(found - parallax(0.063, 2.0, depth)) <= 1e-9
+    assert abs(found - 0.063 * (depth - 2.0) / depth) <= 1e-9  # e (Z - Z0) / Z
     assert abs(seen[1][1] - seen[0][1]) <= 1e-9
 
 
