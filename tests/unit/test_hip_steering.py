@@ -56,6 +56,12 @@ def test_the_leg_that_swings_further_turns_to_the_other_side(degrees: float, asi
     assert len(set(turned)) <= 7, "it changes once a stride"
 
 
+def test_strikes_of_an_attempt_before_turn_nobody_and_only_whole_strides_count() -> None:
+    steering, standing = HipSteering(), LegMotion(0.4, 0.0, -0.2, 0.0, 0.4, (7, 7))
+    turned = [steering.read(standing._replace(strikes=(7 + n // 60, 7)), FRAME) for n in range(180)]
+    assert turned[:120] == [0.0] * 120 and turned[120:] == [1.0] * 60
+
+
 def test_without_steering_no_gust_moves_who_cannot_lean_and_with_it_the_hips_do() -> None:
     way = {"": SectionSpec(60.0, 200.0)}
     asides = {}
