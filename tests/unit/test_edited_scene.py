@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.viewer.edited_scene import EditedScene, pointer_of
-from mimics_app.app.viewer.inspected import component_names, default_of, inspected_rows, quaternion_of
+from mimics_app.app.viewer.inspected import Cell, component_names, default_of, inspected_rows, quaternion_of
 from mimics_app.app.viewer.new_entities import templates_of
 from mimics_app.app.viewer.shown import open_shown
 from mimics_app.contracts.errors import SceneError
@@ -176,6 +176,46 @@ def test_a_scene_with_a_fault_of_a_stage_can_be_opened_to_correct_it(tmp_path):
     assert open_shown(file).scene is not None
 
 
+@pytest.mark.parametrize("wrong", [5, True, "x", [], {}, [1], ["a", "b", "c"], [None] * 4, {"a": 1}, [[1]]])
+@pytest.mark.parametrize(
+    "place",
+    [
+        ("transform",),
+        ("transform", "translation"),
+        ("transform", "rotation"),
+        ("components",),
+        ("components", "mesh"),
+        ("components", "mesh", "primitive", "size"),
+        ("prefab",),
+    ],
+)
+def test_an_entity_that_is_written_wrongly_is_shown_moved_copied_and_given_components(edited, place, wrong):
+    file = edited.texts.files[0]
+    text = set_value(SCENE, ["prefabs"], source_of(wrong))
+    file.write_text(set_value(text, ["entities", "2", *place], source_of(wrong)))
+    edited.read_again()
+    edited.apply()
+    cube = edited.find("cube")
+    assert all(cell.stepped(1) is not None for row in edited.rows(cube) for cell in row.cells)
+    assert edited.prefabs(file) == (["a"] if wrong == {"a": 1} else [])
+    edited.move("cube", (1.0, 2.0, 3.0))
+    edited.put(cube, ("components", "light"), "{}")
+    assert edited.plain(cube)["transform"]["translation"] == [1.0, 2.0, 3.0]
+    copy = edited.plain(edited.find(edited.duplicate(cube, (0.5, 0.0, 0.0))))
+    assert copy["transform"]["translation"] == [1.5, 2.0, 3.0] and copy["components"]["light"] == {}
+    while edited.undo():
+        pass
+    assert text_of(edited) == file.read_text()
+
+
+@pytest.mark.parametrize("typed", [r'"\ud800"', "1e999", "NaN", "[1,"])
+def test_what_no_file_can_hold_is_refused_where_json_is_typed(typed):
+    with pytest.raises(ValueError, match="is not JSON"):
+        Cell(("x-note",), "json", None).written(typed)
+    with pytest.raises(ValueError, match="is not a number"):
+        Cell(("x",), "number", 1.0).written("1" + "0" * 400)
+
+
 def test_every_template_can_be_added_and_is_without_a_fault(edited):
     templates = templates_of(edited.scene, ["pin"], 0.2)
     names = [edited.add({"id": each.entity["id"], **each.entity}) for each in templates]
@@ -233,3 +273,20 @@ def test_the_scene_goes_on_under_a_new_name_unless_its_files_are_not_there(edite
     assert (tmp_path / "place.json").read_text() == SCENE
     with pytest.raises(SceneError, match="exists already"):
         edited.save_as(tmp_path / "place.json")
+
+
+def test_edits_outlive_that_their_file_is_no_more_included_and_the_history_ends_there(tmp_path):
+    head = '{"format": "mimics-scene", "version": 1, '
+    part, whole, other = (tmp_path / name for name in ("part.json", "whole.json", "other/part.json"))
+    other.parent.mkdir()
+    for file in (part, other):
+        file.write_text(head + '"entities": [{"id": "lamp"}]}')
+    whole.write_text(head + '"include": ["part.json"], "entities": [{"id": "own"}]}')
+    edited = EditedScene(open_shown(whole))
+    edited.move("lamp", (1.0, 2.0, 3.0))
+    edited.apply()
+    edited.save_as(other.with_name("new.json"))  # with another part.json beside it
+    edited.apply()
+    assert edited.texts.save() == [part] and "1.0, 2.0, 3.0" in part.read_text()
+    edited.apply()
+    assert edited.texts.files == [other.with_name("new.json"), other] and edited.undo() == ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import time
@@ -94,6 +95,20 @@ def test_unsaved_edits_are_played_from_a_file_beside_that_goes_at_the_end(edited
     played.end()
     assert sorted(each.name for each in tmp_path.iterdir()) == ["part.json", "whole.json"]
     assert (tmp_path / "whole.json").read_text() == WHOLE, "it was not saved by that"
+
+
+def test_what_a_killed_viewer_has_left_is_taken_over_and_a_file_of_somebody_else_is_not(edited, started, tmp_path):
+    edited.move("own", (1.0, 2.0, 3.0))
+    edited.apply()
+    file, ended = tmp_path / "whole as edited.json", subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    for words in (WHOLE, "", "[1]", json.dumps({"x-viewer": "me"}), json.dumps({"x-viewer": 10**30})):
+        file.write_text(words)
+        with pytest.raises(SceneError, match="File exists"):
+            PlayedScene(edited)
+        assert file.read_text() == words
+    file.write_text(json.dumps({"x-viewer": ended.pid}))
+    assert wait_for(PlayedScene(edited)) == "no device" and not file.exists()
 
 
 def test_edits_of_an_included_file_have_to_be_saved_first(edited, started):

@@ -184,6 +184,11 @@ def test_saving_keeps_mark_mode_and_links_and_overwrites_nobody(tmp_path):
     assert stat.S_IMODE(file.stat().st_mode) == 0o640
     assert sorted(os.listdir(tmp_path)) == ["link.json", "s.json"], "no scratch file is left behind"
     texts.change("move", place_of(texts, link, 8.0))
+    file.chmod(0o440)
+    with pytest.raises(SceneError, match="is read-only"):
+        texts.save()
+    assert b"9.0" in file.read_bytes() and texts.unsaved
+    file.chmod(0o640)
     theirs = file.read_bytes().replace(b"keep", b"kept")
     file.write_bytes(theirs)
     with pytest.raises(SceneError, match="not overwritten"):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from mimics_app.app.scenes.loading import review_scene
-from mimics_app.app.viewer.inspected import Cell, Row, inspected_rows
+from mimics_app.app.viewer.inspected import Cell, Row, inspected_rows, numbers_of, object_of
 from mimics_app.app.viewer.resting import rest
 from mimics_app.app.viewer.shown import Shown
 from mimics_app.contracts.arrays import Vec3
@@ -107,6 +107,10 @@ class EditedScene:
         entity: dict[str, Any] = self.texts.document(place.file)["entities"][place.number]
         return entity
 
+    def prefabs(self, file: Path) -> list[str]:
+        """Return the prefabs of a file."""
+        return list(object_of(self.texts.document(file).get("prefabs")))
+
     def rows(self, place: Place) -> list[Row]:
         """Return what can be changed of an entity."""
         own, scene = self.plain(place), self.scene
@@ -114,7 +118,7 @@ class EditedScene:
         present = {key: merged(found.get(key) or {}, own.get(key) or {}) for key in ("transform", "components")}
         names = {
             ("parent",): [row.id for row in self.entities if row.id != own.get("id")],
-            ("prefab",): list(self.texts.document(place.file).get("prefabs") or {}),
+            ("prefab",): self.prefabs(place.file),
             ("components", "mesh", "material"): list(scene.document.get("materials", {})),
             ("components", "mesh", "source"): [name for name, each in scene.assets.items() if each.kind == "model"],
         }
@@ -154,7 +158,8 @@ class EditedScene:
 
     def put(self, place: Place, steps: Sequence[str], source: str) -> None:
         """Set a value, given as JSON, that no row has yet."""
-        text = set_value(self.texts.text(place.file), [*place.steps, *steps], source)
+        text = _with_object(self.texts.text(place.file), place.steps, self.plain(place), steps[0])
+        text = set_value(text, [*place.steps, *steps], source)
         self._change(f"{self.plain(place).get('id', '')}: {'.'.join(steps)} added", {place.file: text})
 
     def remove(self, place: Place, steps: Sequence[str]) -> None:
@@ -171,8 +176,8 @@ class EditedScene:
         self._dragged.add(name)
         if place is not None:
             numbers = source_of([round(float(value), _DIGITS) + 0.0 for value in position])
-            steps = [*place.steps, "transform", "translation"]
-            text = set_value(self.texts.text(place.file), steps, numbers, _HEAD)
+            text = _with_object(self.texts.text(place.file), place.steps, self.plain(place), "transform")
+            text = set_value(text, [*place.steps, "transform", "translation"], numbers, _HEAD)
             self._change(f"{name}: moved to {numbers}", {place.file: text})
 
     def add(self, entity: dict[str, Any]) -> str:
@@ -195,9 +200,10 @@ class EditedScene:
         assert span is not None
         own = self.plain(place)
         name = self._free_id(str(own.get("id", "entity")))
-        before = (own.get("transform") or {}).get("translation") or (0.0, 0.0, 0.0)
+        before = numbers_of(object_of(own.get("transform")).get("translation"), (0.0, 0.0, 0.0))
         moved = [round(float(a) + b, _DIGITS) for a, b in zip(before, offset, strict=True)]
-        copy = set_value(text[slice(*span)], ["id"], source_of(name))
+        copy = _with_object(text[slice(*span)], [], own, "transform")
+        copy = set_value(copy, ["id"], source_of(name))
         copy = set_value(copy, ["transform", "translation"], source_of(moved), _HEAD)
         self._change(f"{name} added", {place.file: insert_item(text, ["entities"], place.number + 1, copy)})
         return name
@@ -283,6 +289,19 @@ class EditedScene:
         base = wanted.rstrip("0123456789").rstrip("_") or "entity"
         numbers = range(2, len(taken) + 3)
         return wanted if wanted not in taken else next(name for n in numbers if (name := f"{base}_{n}") not in taken)
+
+
+def _with_object(text: str, steps: Sequence[str], own: Mapping[str, Any], key: str) -> str:
+    """Return the text with an object at a key of an entity; a faulty value that stands there gives way.
+
+    Args:
+        text: The text.
+        steps: Steps of the entity's pointer.
+        own: The entity.
+        key: The key.
+    """
+    there = own.get(key)
+    return text if there is None or isinstance(there, Mapping) else set_value(text, [*steps, key], "{}")
 
 
 def _after(steps: Sequence[str]) -> Sequence[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from mimics_app.app.viewer.edited_scene import EditedScene, Place, pointer_of
 from mimics_app.app.viewer.editor_page import EditorPage, EditorState, Hit, ListRow
-from mimics_app.app.viewer.inspected import Row, component_names, default_of
+from mimics_app.app.viewer.inspected import Row, component_names, default_of, object_of
 from mimics_app.app.viewer.new_entities import Template, templates_of
 from mimics_app.app.viewer.played_scene import PlayedScene
 from mimics_app.app.viewer.selection import Selection
@@ -578,15 +578,14 @@ class Editor:
 
     def _templates(self) -> list[Template]:
         width = float(f"{_SHARE * self._viewport.orbit.distance:.1g}")
-        prefabs = self.edited.texts.document(self.edited.texts.files[0]).get("prefabs") or {}
-        return templates_of(self.edited.scene, prefabs, width)
+        return templates_of(self.edited.scene, self.edited.prefabs(self.edited.texts.files[0]), width)
 
     def _listed(self) -> list[ListRow]:
         """Return the rows of the left panel, those that were searched for."""
         if self.focus == "add":
             rows = [ListRow(each.label, each.label) for each in self._templates()]
         elif self.focus == "component":
-            there = {} if self.place is None else self.edited.plain(self.place).get("components") or {}
+            there = {} if self.place is None else object_of(self.edited.plain(self.place).get("components"))
             rows = [ListRow(name, name) for name in component_names() if name not in there]
         else:
             main = self.edited.texts.files[0]

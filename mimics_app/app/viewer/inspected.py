@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -17,7 +18,7 @@ from mimics_app.world.files.reading.json_edit import source_of
 from mimics_app.world.files.reading.struct_reader import is_comment
 from mimics_app.world.files.scene.schema import scene_schema
 
-__all__ = ["Cell", "Row", "component_names", "default_of", "inspected_rows", "quaternion_of"]
+__all__ = ["Cell", "Row", "component_names", "default_of", "inspected_rows", "numbers_of", "object_of", "quaternion_of"]
 
 Steps = tuple[str, ...]
 
@@ -82,8 +83,10 @@ class Cell:
             return self.steps, "true" if typed in ("true", "on", "yes") else "false"
         if self.kind == "json":
             try:
-                return self.steps, source_of(json.loads(typed))
-            except ValueError:
+                source = source_of(json.loads(typed))
+                source.encode()
+                return self.steps, source
+            except ValueError:  # also of half a character, which no file can hold
                 raise ValueError("is not JSON: lists in [ ], objects in { }, texts in quotation marks") from None
         if self.kind in ("choice", "variant") and typed not in self.choices:
             raise ValueError(f"is none of {', '.join(self.choices)}")
@@ -113,7 +116,7 @@ class Cell:
             value = json.loads(typed)
         except ValueError:
             value = None
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < math.inf:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
             raise ValueError("is not a number")
         if self.kind == "whole" and not isinstance(value, int):
             raise ValueError("is not a whole number")
@@ -157,6 +160,11 @@ def _schema() -> dict[str, Any]:
     return definitions
 
 
+def object_of(value: object) -> Mapping[str, Any]:
+    """Return an object of a file; an empty one where there is anything else, which is a fault or null."""
+    return value if isinstance(value, Mapping) else {}
+
+
 def component_names() -> list[str]:
     """Return the types of components, sorted."""
     return sorted(_schema()["EntitySpec"]["properties"]["components"]["properties"])
@@ -192,16 +200,23 @@ def inspected_rows(
     rows = [row for key in ("id", "parent", "prefab") for row in _rows((key,), spec[key], own, own, 0)]
     rows += [row for key in own if is_comment(key) for row in _comment((key,), own)]
     rows.append(Row("transform", ("transform",), 0, help="Relative to the parent"))
-    moved, base = own.get("transform") or {}, present.get("transform") or {}
+    moved, base = object_of(own.get("transform")), object_of(present.get("transform"))
     for key, node in _schema()["TransformSpec"]["properties"].items():
         steps = ("transform", key)
         rows += [_turned(base, own=key in moved)] if key == "rotation" else _rows(steps, node, moved, base, 1)
-    components, bases = own.get("components") or {}, present.get("components") or {}
+    components, bases = object_of(own.get("components")), object_of(present.get("components"))
     for name in dict.fromkeys([*components, *bases]):
         node = spec["components"]["properties"].get(name)
         if node is not None and bases.get(name, components.get(name)) is not None:
             rows += _rows(("components", name), _whole(node), components, {**components, **bases}, 0)
     return [_named(row, names) for row in rows]
+
+
+def numbers_of(value: object, otherwise: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the numbers of a list that has as many as `otherwise`, which counts instead of anything else."""
+    numbers = tuple(value) if isinstance(value, list | tuple) else ()
+    plain = all(isinstance(each, int | float) and abs(each) <= sys.float_info.max for each in numbers)
+    return numbers if plain and len(numbers) == len(otherwise) else otherwise
 
 
 def quaternion_of(degrees: Sequence[float]) -> list[float]:
@@ -228,8 +243,8 @@ def _degrees_of(quaternion: Sequence[float]) -> tuple[float, ...]:
 
 def _turned(base: Mapping[str, Any], *, own: bool) -> Row:
     """Return the row of the rotation, in degrees: nobody types a quaternion."""
-    quaternion = base.get("rotation") or (0.0, 0.0, 0.0, 1.0)
-    angles = _degrees_of(quaternion) if len(quaternion) == 4 else (0.0, 0.0, 0.0)
+    quaternion = numbers_of(base.get("rotation"), (0.0, 0.0, 0.0, 1.0))
+    angles = _degrees_of(quaternion)
     steps = ("transform", "rotation")
     cells = [Cell((*steps, str(n)), "angle", angle, -180.0, 180.0, items=angles) for n, angle in enumerate(angles)]
     help_text = "Rotation about x, then y, then z of the parent; the file has a quaternion"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -9,15 +11,23 @@ from pathlib import Path
 
 from mimics_app.app.play.journey_log import JourneyLog, read_journey
 from mimics_app.app.viewer.edited_scene import EditedScene
+from mimics_app.app.viewer.inspected import object_of
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.system.regular_file import read_or_nothing
+from mimics_app.contracts.system.whole_file import whole_file
 from mimics_app.world.files.reading.json_edit import set_value, source_of
 
 __all__ = ["PlayedScene"]
 
+_OWNER = "x-viewer"
+"""Key of a copy that the scene does not have: the process that made it."""
+
 
 class PlayedScene:
-    """One session of an edited scene. What is not saved is played from a file beside the scene, which goes at its end.
+    """One session of an edited scene.
+
+    What is not saved is played from a file beside the scene, which goes at its end. One that a killed viewer has left
+    gives way to the next.
 
     Args:
         edited: The scene.
@@ -73,9 +83,9 @@ class PlayedScene:
 
 
 def _named(text: str, edited: EditedScene) -> str:
-    """Give the copy the name and scenario that the file's own name stands for."""
+    """Give the copy the name and scenario that the file's own name stands for, and name this process in it."""
     scene = edited.scene
-    for key, value in (("name", scene.name), ("scenario", scene.scenario)):
+    for key, value in (("name", scene.name), ("scenario", scene.scenario), (_OWNER, os.getpid())):
         text = set_value(text, [key], source_of(value))
     return text
 
@@ -84,9 +94,24 @@ def _written_beside(main: Path, text: str) -> Path:
     """Write the copy; its name is what the person sees while the session starts."""
     path = main.with_name(f"{main.stem} as edited.json")
     try:
-        with path.open("x", encoding="utf-8", newline="") as stream:
+        if _is_left_over(path):
+            path.unlink()
+        with whole_file(path), path.open("x", encoding="utf-8", newline="") as stream:
             stream.write(text)
     except OSError as error:
         what = f"cannot be written, to play what is not saved: {error.strerror}"
         raise SceneError(Issue(str(path), "", what, "save, then play")) from None
     return path
+
+
+def _is_left_over(path: Path) -> bool:
+    """Whether a file is the copy of a viewer that does not run any more."""
+    try:
+        owner = object_of(json.loads(read_or_nothing(path))).get(_OWNER)
+        if isinstance(owner, int):
+            os.kill(owner, 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError, ValueError):  # somebody else's process, or somebody else's file
+        return False
+    return False

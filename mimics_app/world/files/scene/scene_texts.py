@@ -163,10 +163,17 @@ class SceneTexts:
     def follow(self, files: Sequence[Path]) -> None:
         """Have the files that the scene includes now; new ones are read, and the edits of the others stay.
 
+        A file with edits that are not saved stays until they are; where one goes, the history ends.
+
         Raises:
             SceneError: A new one cannot be read or is no JSON object.
         """
-        self._files = {path: self._files.get(path) or _read(path) for path in files}
+        held = {path: self._files[path] for path in self.unsaved if path not in files}
+        present = {path: self._files.get(path) or _read(path) for path in files} | held
+        if self._files.keys() - present.keys():
+            self._done.clear()
+            self._undone.clear()
+        self._files = present
 
     def save(self) -> list[Path]:
         """Write the edits to their files, each replaced atomically; return those files.
@@ -256,6 +263,8 @@ def _read(path: Path) -> _File:
 def _replace(path: Path, data: bytes) -> None:
     target = path.resolve()
     try:
+        if target.exists() and not target.stat().st_mode & 0o222:  # its folder would let it be replaced nevertheless
+            raise SceneError(Issue(str(path), "", "is read-only", "Ctrl + Shift + S saves it under another name"))
         handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
         try:
             with os.fdopen(handle, "wb") as stream:
