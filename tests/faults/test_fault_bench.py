@@ -61,6 +61,9 @@ def test_every_fault_of_the_page_can_be_repeated(monkeypatch, tmp_path):
     monkeypatch.setattr(process_faults, "root", lambda: tmp_path)
     with pytest.raises(UsageError, match="in a checkout"):
         measure_faults(SCENE, 1, lambda _: None, ["F16"])
+    monkeypatch.setattr(process_faults, "find_spec", lambda _: None)
+    with pytest.raises(UsageError, match="pytest is not installed"):
+        measure_faults(SCENE, 1, lambda _: None, ["F16"])
 
 
 def test_a_fault_that_is_not_known_is_said():

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -124,8 +125,10 @@ def measure_by_tests(number: str, repeats: int, report: Callable[[str], None]) -
         report: Called with what is done next.
 
     Raises:
-        UsageError: This is no checkout.
+        UsageError: This is no checkout, or pytest is not installed.
     """
+    if find_spec("pytest") is None:
+        raise UsageError(f"{number} is repeated by its tests, and pytest is not installed", "sh .ci/dev.sh test first")
     mark = f'fault(id="{number}")'
     files = [str(path) for path in sorted((root() / "tests").rglob("test_*.py")) if mark in path.read_text("utf-8")]
     if not files:
