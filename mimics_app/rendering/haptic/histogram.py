@@ -94,7 +94,7 @@ class LinkReport:
     """Quality of the link to a device, after the first second.
 
     Attributes:
-        fresh_share: Share of the ticks that got new, intact data.
+        fresh_share: Share of the ticks that got new data.
         worst_gap_ms: Largest age of the data that a tick used [ms].
         jitter_us: 99th percentile of that age less its median [us].
     """
