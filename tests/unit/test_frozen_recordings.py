@@ -17,6 +17,7 @@ import pytest
 
 from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.loop.controller_port import places_of
 from mimics_app.contracts.loop.haptic import SCENE
 from mimics_app.recording.older_blocks import current_block
 from mimics_app.recording.recover import recover
@@ -24,6 +25,8 @@ from mimics_app.recording.replay import compare, gather
 from mimics_app.recording.report import page_of, write_report
 from mimics_app.recording.run import Run
 from mimics_app.recording.verdict import evaluate
+from mimics_app.rendering.haptic.control.lokomat.sagittal_outline import EDGES
+from mimics_app.rendering.haptic.controllers.orthosis_legs import PARAMETERS
 from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from mimics_app.rendering.haptic.replay import replay_run
 from mimics_app.tasks.kinds.registry import report_sections
@@ -108,6 +111,15 @@ def test_a_block_with_fewer_parameters_of_controllers_is_one_of_this_version() -
     block = current_block(old, None)
     assert block is not None and block.dtype == SCENE and block["virtual_mass"][0] == 3.0
     assert block["controller_parameters"][0, 2].tolist() == [*[0.0] * 63, 7.0, *[0.0] * 32]
+
+
+def test_the_orthosis_finds_its_parameters_in_a_recorded_block_where_they_always_were() -> None:
+    """What came later stands behind them, where such a block has 0: without play, encoder steps and sensor watch."""
+    places = dict(zip((each.name for each in PARAMETERS), places_of(PARAMETERS), strict=True))
+    kept = {"as_printed": 0, "bandwidth": 21, "motor_mass": 34, "hip_fixed_arm": 40, "rate": 50, "frozen_torque": 53}
+    assert kept.items() <= places.items()
+    assert places["outline_z"] == 70 and EDGES == 16
+    assert min(places[name] for name in ("backlash", "encoder", "frozen_sensor")) == 86
 
 
 def test_a_block_that_says_something_else_is_no_block_of_this_version() -> None:

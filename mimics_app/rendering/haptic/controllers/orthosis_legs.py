@@ -131,8 +131,6 @@ PARAMETERS = (
     ControllerParameter("compensation", 0.95, 0.0, 1.0),  # share of the drives' friction
     ControllerParameter("coulomb", 45.0, 0.0, 500.0, "N", size=2),
     ControllerParameter("viscous", 150.0, 0.0, 5000.0, "N s/m", size=2),
-    ControllerParameter("backlash", 5e-5, 0.0, 0.01, "m", size=2),
-    ControllerParameter("encoder", 2e-5, 0.0, 0.01, "rad"),  # step of all encoders; 0: speeds of the device are good
     ControllerParameter("motor_mass", 22.1, 0.1, 500.0, "kg", size=2),
     ControllerParameter("thigh_orthosis", 2.0, 0.0, 20.0, "kg"),
     ControllerParameter("shank_orthosis", 1.0, 0.0, 20.0, "kg"),
@@ -152,19 +150,21 @@ PARAMETERS = (
     ControllerParameter("guidance_window", 0.0, 0.0, 0.3, "s"),  # 0: impedance around the reference
     ControllerParameter("guidance_width", 0.05, 0.0, 0.3, "rad"),  # from the path, without torque; in a window
     ControllerParameter("frozen_torque", 10.0, 1.0, 1000.0, "N m"),  # change of load without a step of the encoder
-    ControllerParameter("frozen_sensor", 0.05, 0.0, 10.0, "s"),  # of one reading of a noisy rod sensor; 0: it has none
     ControllerParameter("outline_x", 0.0, -3.0, 3.0, "m", size=EDGES),  # corners of a mesh's cut, forward
     ControllerParameter("outline_z", 0.0, -3.0, 3.0, "m", size=EDGES),  # likewise, up
+    ControllerParameter("backlash", 5e-5, 0.0, 0.01, "m", size=2),
+    ControllerParameter("encoder", 2e-5, 0.0, 0.01, "rad"),  # step of all encoders; 0: speeds of the device are good
+    ControllerParameter("frozen_sensor", 0.05, 0.0, 10.0, "s"),  # of one reading of a noisy rod sensor; 0: it has none
 )
-"""Parameters of both controllers."""
+"""Parameters of both controllers. A new one stands last: recorded blocks know them by place, and lack it, that is 0."""
 
 (
     _AS_PRINTED, _COMBINED, _OBJECT_KIND, _OBJECT, _OBJECT_SIZE, _ROUNDING, _STIFFNESS, _DAMPING, _FRICTION,
     _IMPULSE_TICKS, _RESTITUTION, _WALL_FORCE, _VIRTUAL_MASS, _KNEE_MASS, _VIRTUAL_DAMPING, _VIRTUAL_FRICTION,
     _BANDWIDTH, _PD_STIFFNESS, _COMPUTED, _GUIDANCE_STIFFNESS, _GUIDANCE_DAMPING, _COMPENSATION, _COULOMB, _VISCOUS,
-    _BACKLASH, _ENCODER_STEP, _MOTOR_MASS, _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK,
-    _HIP_MOVED, _HIP_OFFSET, _KNEE_LINK, _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG,
-    _EXPLORATION, _RATE, _WINDOW, _WIDTH, _FROZEN, _FROZEN_SENSOR, _OUTLINE_X, _OUTLINE_Z,
+    _MOTOR_MASS, _ORTHOSIS_MASS, _SHANK_ORTHOSIS, _LEG_MASS, _SHANK_WITH_FOOT, _HIP_LINK, _HIP_MOVED, _HIP_OFFSET,
+    _KNEE_LINK, _KNEE_MOVED, _KNEE_OFFSET, _SEQUENCE, _OBSTACLE_AFTER, _EXPLORING_LEG, _EXPLORATION, _RATE, _WINDOW,
+    _WIDTH, _FROZEN, _OUTLINE_X, _OUTLINE_Z, _BACKLASH, _ENCODER_STEP, _FROZEN_SENSOR,
 ) = places_of(PARAMETERS)  # fmt: skip
 
 _OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
