@@ -17,7 +17,12 @@ from mimics_app.rendering.haptic.control.lokomat.guidance_force import (
     guide_joints,
     nearest_time,
 )
-from mimics_app.rendering.haptic.control.lokomat.leg_control import LEG_INPUT, LEG_STATE, control_combined
+from mimics_app.rendering.haptic.control.lokomat.leg_control import (
+    LEG_INPUT,
+    LEG_STATE,
+    control_combined,
+    control_impedance,
+)
 from mimics_app.rendering.haptic.control.lokomat.position_control import (
     driven_mass,
     foot_stiffness,
@@ -179,6 +184,22 @@ def test_a_leg_that_cannot_follow_does_not_let_its_virtual_one_run_away(rig: Rig
         control_combined(rig.settings[0], now[0], state[0])
     assert 0.05 < np.abs(state["shafts"]["theta"][0] - now["q"][0]).max() <= 0.1 + 1e-9
     assert np.isfinite(state["tau"]).all()
+
+
+def test_combined_control_that_returns_begins_where_the_leg_is(rig: Rig) -> None:
+    """Not where it acted before: the way since then is neither a distance of the virtual leg nor a speed of a tick."""
+    settings, now, state = rig.settings.copy(), np.zeros(1, LEG_INPUT), np.zeros(1, LEG_STATE)
+    settings["encoder"], now["dt"] = 2e-5, 1e-3
+    for control, q in ((control_combined, 0.3), (control_impedance, 0.6)):
+        now["q"], now["torque"] = (q, q + 0.3), (6.0, 6.0)
+        for _ in range(20):
+            control(settings[0], now[0], state[0])
+    before = state["tau"].copy()
+    control_combined(settings[0], now[0], state[0])
+    fresh = np.zeros(1, LEG_STATE)
+    control_combined(settings[0], now[0], fresh[0])
+    assert state["tau"] == pytest.approx(fresh["tau"], abs=1e-12)
+    assert np.abs(state["tau"] - before).max() < 20.0
 
 
 def test_a_hit_wall_stays_below_the_force_limit() -> None:

@@ -126,7 +126,7 @@ LEG_INPUT = np.dtype(
 
 LEG_STATE = np.dtype(
     [
-        ("started", np.int64),
+        ("started", np.int64),  # 1: combined control acts
         ("shafts", SHAFTS),
         ("encoders", ENCODER_SPEED, 2),  # of hip and knee, for the position control
         ("contact", FOOT_CONTACT),
@@ -194,6 +194,7 @@ def control_impedance(settings: LegSettingsRecord, now: LegInputRecord, state: L
         now: LEG_INPUT record of this tick.
         state: LEG_STATE record, advanced.
     """
+    state.started = 0  # combined control that follows begins where the leg is then
     _find_foot(settings, now, state)
     load_torques(settings.load, settings.frame, now.q, now.dq, state.tau)
     if now.hard == 1 and settings.outline.count > 0:
@@ -219,6 +220,8 @@ def _start(settings: LegSettingsRecord, now: LegInputRecord, state: LegStateReco
     """Begin where the leg is, at rest: no jump of the torque."""
     for joint in range(2):
         state.more[joint] = eta_of(settings.frame.links[joint], now.q[joint])
+        state.encoders[joint].count = 0
+        state.motor[joint] = 0.0
     place_shafts(state.shafts, settings.frame, state.more)
     state.started = 1
 
