@@ -31,7 +31,8 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
         file: The file, as the user wrote it.
     """
     faults: list[Fault] = []
-    faults += _check_parameters(spec.parameters, pointer)
+    for place, parameter in spec.placed_parameters(pointer):
+        faults += _check_parameter(parameter, place)
     for i, trigger in enumerate(spec.triggers):
         for j, deed in enumerate(trigger.do):
             if isinstance(deed, ActionDeed):
@@ -39,7 +40,6 @@ def check_task(spec: TaskSpec, pointer: str = "/task", file: str = "") -> list[I
     faults += _check_score(spec.score, f"{pointer}/score")
     for name, other in spec.devices.items():
         place = f"{pointer}/devices/{escape(name)}"
-        faults += _check_parameters(other.parameters, place)
         if other.score is not None:
             faults += _check_score(other.score, f"{place}/score")
     for kind in task_kinds():
@@ -86,11 +86,6 @@ def _range_of_target(name: str) -> Range | None:
     if name not in haptic_targets() and object_of_target(name) is None:
         return None
     return range_of(name.partition(".")[0] if "." in name else "", name.rpartition(".")[2])
-
-
-def _check_parameters(parameters: Mapping[str, ParameterSpec], pointer: str) -> Iterator[Fault]:
-    for name, parameter in parameters.items():
-        yield from _check_parameter(parameter, f"{pointer}/parameters/{escape(name)}")
 
 
 def _check_parameter(parameter: ParameterSpec, pointer: str) -> Iterator[Fault]:

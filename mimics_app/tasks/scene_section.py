@@ -87,10 +87,10 @@ def _check_names(spec: TaskSpec, scene: Scene) -> list[Issue]:
     everything = {entity.id for entity in scene.entities}
     tunnels = {entity.id for entity in scene.entities if "tunnel" in entity.components}
     issues = []
-    for name, parameter in spec.parameters.items():
+    for pointer, parameter in spec.placed_parameters():
         for i, target in enumerate(parameter.maps):
             group, _, field = target.to.partition(".")
-            place, who = f"/task/parameters/{escape(name)}/maps/{i}/to", object_of_target(field)
+            place, who = f"{pointer}/maps/{i}/to", object_of_target(field)
             known, kind = (tunnels, "tunnel") if field.startswith("tunnels.") else (everything, "entity")
             if field.startswith("curves."):
                 continue  # names a joint of the device

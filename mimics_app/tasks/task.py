@@ -5,7 +5,7 @@ On import, goals, conditions, score parts and sections of the kinds of task (`ta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar, Union
 
 from msgspec import Meta, defstruct, field
@@ -16,6 +16,7 @@ from mimics_app.tasks.kinds.tunnel.kind import ProgressGoal
 from mimics_app.tasks.trial_specs import BlockSpec
 from mimics_app.world.components.bounds import Factor, Figure, Force, Length, Point, PositiveSeconds, Seconds, Share
 from mimics_app.world.components.registry import Component
+from mimics_app.world.files.reading.json_text import escape
 
 __all__ = [
     "MEASURES",
@@ -369,6 +370,14 @@ class _TaskBase(Component, frozen=True):
             description="Estimator of the person's load unless a run names it: fusion, lda, adaptive_lda; '': the best."
         ),
     ] = ""
+
+    def placed_parameters(self, pointer: str = "/task") -> Iterator[tuple[str, ParameterSpec]]:
+        """Yield all adaptable parameters, also those of devices, with their pointers below that of the task."""
+        for name, parameter in self.parameters.items():
+            yield f"{pointer}/parameters/{escape(name)}", parameter
+        for device, other in self.devices.items():
+            for name, parameter in other.parameters.items():
+                yield f"{pointer}/devices/{escape(device)}/parameters/{escape(name)}", parameter
 
     def section(self, kind: str) -> Component | None:
         """Return the section of a kind of task by its name, or None where the task has none."""

@@ -311,6 +311,15 @@ def test_a_list_of_participants_that_cannot_be_read_is_not_replaced(
     assert {each: each.read_bytes() for each in study.path.parent.rglob("*") if each.is_file()} == kept
 
 
+def test_what_another_program_keeps_of_a_participant_stays_and_is_erased_with_the_rest(study: StudyFolder) -> None:
+    """The page holds a participant while a person reads it, and a command keeps the language of the same one."""
+    person = study.find_or_add("P1")
+    study.with_settings(study.find("P1"), language="sl")
+    changed = study.with_settings(person, side="left")
+    assert (changed.language, changed.side) == ("sl", "left") and study.participants == [changed]
+    assert study.erase(person) == [] and study.participants == []
+
+
 def test_what_cannot_be_read_is_named_by_the_scan_of_an_erasure(
     study: StudyFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -48,7 +48,6 @@ from mimics_app.world.components.objects import (
 )
 from mimics_app.world.components.robot import Controller, Robot, Tunnel
 from mimics_app.world.components.visible import Sound
-from mimics_app.world.files.reading.json_text import escape
 from mimics_app.world.files.scene.placing import pose_of
 from mimics_app.world.files.scene.scene import Scene
 
@@ -84,8 +83,8 @@ def check_features(scene: Scene) -> list[Issue]:
     """
     task = scene.section(TaskSpec)
     maps = [
-        (f"/task/parameters/{escape(name)}/maps/{number}", target)
-        for name, parameter in (task.parameters if task else {}).items()
+        (f"{pointer}/maps/{number}", target)
+        for pointer, parameter in (task.placed_parameters() if task else ())
         for number, target in enumerate(parameter.maps)
         if target.to.startswith(_GROUP)
     ]
@@ -230,7 +229,7 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
     targets = {f"tunnels.{entity}.radius_scale": entity for entity, _, _ in scene.components(Tunnel)}
     targets["tunnel.radius_scale"] = own_tunnel(scene)
     issues = []
-    for name, parameter in task.parameters.items():
+    for pointer, parameter in task.placed_parameters():
         for target in parameter.maps:
             entity = targets.get(haptic_target(target))
             if entity is None:
@@ -239,7 +238,7 @@ def _check_widest_tunnel(scene: Scene) -> list[Issue]:
             widest = max(target.offset + target.scale * value for value in (parameter.min, parameter.max))
             if widest >= limit:
                 what = f"makes the tunnel {widest:g} times as wide: wider than its tightest bend allows"
-                issues.append(scene.issue(f"/task/parameters/{name}/max", what, f"stay below {limit:.3f}"))
+                issues.append(scene.issue(f"{pointer}/max", what, f"stay below {limit:.3f}"))
     return issues
 
 

@@ -217,7 +217,9 @@ class _People:
         names = ("language", "side", "text", "contrast", "avatar")
         content = settings_content(study, participant)
         _, values = self._ask(content, {name: getattr(participant, name) for name in names})
-        changed = study.with_settings(participant, **{name: values[name].strip() for name in names})
+        given = {name: values[name].strip() for name in names}
+        chosen = {name: value for name, value in given.items() if value != getattr(participant, name)}
+        changed = study.with_settings(participant, **chosen)
         self._notice = why_no_model(study, changed)
 
     def _show_earlier(self, study: StudyFolder, participant: Participant) -> None:
