@@ -7,19 +7,22 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 import mimics_app as mimics
 from mimics_app.app.api.opened import Opened
 from mimics_app.app.play.scene_sound_file import write_sound
 from mimics_app.app.scenes.loading import load_checked_scene
+from mimics_app.app.scenes.stage_checks import check_features
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths.gait_series import natural_cadence
 from mimics_app.tasks.kinds.city_walk.kind import Walked
-from mimics_app.tasks.scene_section import task_of
+from mimics_app.tasks.scene_section import check_section, task_of
 from mimics_app.tasks.score import trial_points
+from mimics_app.tasks.task import DeviceTask, MapSpec, ParameterSpec
 from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import CameraComponent
@@ -171,6 +174,18 @@ def test_every_walk_is_played_in_the_gait_orthosis_and_by_hand() -> None:
         assert "hand" in task_of(hand).instructions and "hand" not in task_of(legs).instructions
         ends = [goal.distance(True) for goal in task_of(legs).goals if isinstance(goal, Walked)]
         assert all(f"{metres:.0f} m" in task_of(legs).instructions for metres in ends)
+
+
+def test_a_parameter_of_a_device_is_checked_as_those_of_the_task() -> None:
+    scene = load_checked_scene(SCENES / "soccer.json")
+    maps = [MapSpec("visual.snow"), MapSpec("haptic.bodies.nobody.mass")]
+    guidance = ParameterSpec(default=1.0, min=0.0, max=1.0, maps=maps)
+    task = replace(task_of(scene), devices={"lokomat": DeviceTask(parameters={"guidance": guidance})})
+    scene.sections["task"] = task
+    place = "/task/devices/lokomat/parameters/guidance/maps"
+    assert [issue.pointer for issue in check_features(scene)] == [f"{place}/0/to"]
+    found = {issue.pointer: issue.what for issue in check_section(task, scene)}
+    assert found[f"{place}/1/to"] == 'no entity is called "nobody"'
 
 
 def test_a_task_for_a_device_without_entities_is_refused(tmp_path: Path) -> None:
