@@ -235,10 +235,11 @@ class StudyFolder:
 
     def with_settings(self, participant: Participant, **settings: str) -> Participant:
         """Keep settings of a participant, by their fields, for all runs that follow; return the participant."""
-        changed = replace(participant, **settings)  # type: ignore[arg-type]
         with alone_in(self.path):
-            listed = [changed if each.code == participant.code else each for each in self.participants]
-            write_atomically(self.path / _PARTICIPANTS, b"".join(each.line for each in listed))
+            listed = {each.code: each for each in self.participants}
+            changed = replace(listed.get(participant.code, participant), **settings)  # type: ignore[arg-type]
+            lines = ((changed if code == changed.code else each).line for code, each in listed.items())
+            write_atomically(self.path / _PARTICIPANTS, b"".join(lines))
         return changed
 
     def folder_of(self, participant: Participant) -> Path:
@@ -327,7 +328,7 @@ class StudyFolder:
         """
         with alone_in(self.path):
             names = self._names()
-            kept = [each for each in self.participants if each != participant]
+            kept = [each for each in self.participants if each.code != participant.code]
             folder = self.folder_of(participant)
             if folder.exists():
                 shutil.rmtree(folder)
