@@ -161,6 +161,26 @@ def test_a_fault_is_found_by_its_key_and_shown_at_its_row(hands):
     assert hands.text == SCENE and hands.said[-1] == ("no faults", False)
 
 
+def test_the_value_in_focus_is_one_that_there_is(hands):
+    hands.click("entity", name="cube")
+    hands.editor.edited.put(hands.editor.place, ("components", "mesh", "material"), '"gold"')
+    hands.look()
+    hands.click("row", number=3, cell=2)  # z of the translation
+    hands.keys("f8")
+    hands.type("e")
+    assert hands.editor._state().typed == "e", "in the only cell of the row with the fault"
+    hands.keys("escape", "page_up")
+    assert not hands.editor.edited.faults, "it has choices"
+    hands.click("row", number=3, cell=2)
+    hands.editor.handle(InputEvent("key", "escape", pressed=True))
+    hands.editor.handle(InputEvent("key", "delete", pressed=True))  # and before that is drawn:
+    hands.point("row", number=4)
+    assert hands.editor.handle(InputEvent("button", "left", pressed=True))
+    assert hands.editor.handle(InputEvent("button", "left"))
+    assert hands.editor.handle(InputEvent("wheel", y=1.0))
+    assert hands.editor.place is None and hands.selection.chosen is None
+
+
 def test_what_somebody_else_saved_is_taken_or_told(hands, tmp_path):
     file = tmp_path / "place.json"
     file.write_text(SCENE.replace("0.25", "0.35"))

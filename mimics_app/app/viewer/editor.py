@@ -11,7 +11,7 @@ import numpy as np
 
 from mimics_app.app.viewer.edited_scene import EditedScene, Place, pointer_of
 from mimics_app.app.viewer.editor_page import EditorPage, EditorState, Hit, ListRow
-from mimics_app.app.viewer.inspected import Row, component_names, default_of, object_of
+from mimics_app.app.viewer.inspected import Cell, Row, component_names, default_of, object_of
 from mimics_app.app.viewer.new_entities import Template, templates_of
 from mimics_app.app.viewer.played_scene import PlayedScene
 from mimics_app.app.viewer.selection import Selection
@@ -272,7 +272,7 @@ class Editor:
         elif key in ("left", "right"):
             self._sideways(row, 1 if key == "right" else -1)
         elif key in _STEPS and row.cells:
-            self._set(row, row.cells[self._cell].stepped(_STEPS[key]), merge=True)
+            self._set(row, self._cell_of(row).stepped(_STEPS[key]), merge=True)
         elif key in ("enter", "kp_enter"):
             self._enter(row)
         elif key == "delete" and self.place is not None and row.steps not in (("id",), ("transform",), _ADD.steps):
@@ -300,7 +300,7 @@ class Editor:
         elif self.focus == "fields":
             rows = self._rows()
             row = rows[min(self._row, len(rows) - 1)] if rows else None
-            if row is not None and row.cells and row.cells[self._cell].kind not in ("choice", "switch", "variant"):
+            if row is not None and row.cells and self._cell_of(row).kind not in ("choice", "switch", "variant"):
                 self._typed = (self._typed or "") + character
         elif character.strip():
             self._search, self._at = self._search + character, 0
@@ -340,9 +340,8 @@ class Editor:
                 return
             self._end_typing()
             self.focus, self._row, self._cell = "fields", hit.number, hit.cell
-            fields = self._rows()
-            row = fields[min(hit.number, len(fields) - 1)]
-            if again or not row.cells:
+            row = self._row_at(hit)
+            if row is not None and (again or not row.cells):
                 self._enter(row)
         elif hit.kind in ("list", "fields"):
             self._end_typing()
@@ -368,9 +367,9 @@ class Editor:
             return False
         step = 1 if event.y > 0 else -1
         if hit.kind == "row" and self.focus == "fields" and (hit.number, hit.cell) == (self._row, self._cell):
-            row = self._rows()[hit.number]
-            if row.cells and self._typed is None:
-                self._set(row, row.cells[hit.cell].stepped(step), merge=True)
+            row = self._row_at(hit)
+            if row is not None and row.cells and self._typed is None:
+                self._set(row, self._cell_of(row).stepped(step), merge=True)
         elif hit.kind in ("entity", "list") and self._listed():
             self._at = min(max(self._at - 3 * step, 0), len(self._listed()) - 1)
         elif hit.kind in ("row", "fields") and self._rows():
@@ -439,6 +438,14 @@ class Editor:
         elif step > 0 or row.steps in self._unfolded:
             self._enter(row)
 
+    def _row_at(self, hit: Hit) -> Row | None:
+        """Return the row under the pointer; None for one that has gone since it was drawn."""
+        return next(iter(self._rows()[hit.number :]), None)
+
+    def _cell_of(self, row: Row) -> Cell:
+        """Return the cell of a row in focus; the row before may have had more of them."""
+        return row.cells[min(self._cell, len(row.cells) - 1)]
+
     def _enter(self, row: Row) -> None:
         """Begin to type a value, change what has choices, or unfold a heading."""
         if row == _ADD:
@@ -446,7 +453,7 @@ class Editor:
         elif not row.cells:
             self._unfolded ^= {row.steps}
         else:
-            cell = row.cells[min(self._cell, len(row.cells) - 1)]
+            cell = self._cell_of(row)
             if cell.kind in ("choice", "switch", "variant"):
                 self._set(row, cell.stepped(1))
             else:
@@ -468,7 +475,7 @@ class Editor:
         return False
 
     def _set(self, row: Row, typed: str, *, merge: bool = False) -> bool:
-        cell, place = row.cells[min(self._cell, len(row.cells) - 1)], self.place
+        cell, place = self._cell_of(row), self.place
         if place is None or typed == cell.shown:
             return True
         try:
@@ -655,7 +662,7 @@ class Editor:
             heading=self._name,
             rows=rows,
             row=self._row,
-            cell=self._cell,
+            cell=min(self._cell, max(len(rows[self._row].cells) - 1, 0)) if rows else 0,
             hidden={n: count for n, (_, count) in enumerate(folded)},
             faults=faults,
             typed=self._typed if self.focus == "fields" else None,
@@ -684,7 +691,7 @@ class Editor:
             return [(next(each.help for each in self._templates() if each.label == listed[self._at].label), False)]
         if self.focus == "fields" and rows:
             row, fault = rows[self._row], faults.get(self._row)
-            cell = row.cells[min(self._cell, len(row.cells) - 1)] if row.cells else None
+            cell = self._cell_of(row) if row.cells else None
             limits = "" if cell is None or not cell.limits else f"{cell.limits}{f' {row.unit}' if row.unit else ''}"
             words = [(". ".join(part for part in (row.help, limits) if part), False)]
             return [(_short(fault), True)] if fault is not None else [each for each in words if each[0]]
