@@ -22,6 +22,9 @@ __all__ = ["PlayedScene"]
 _OWNER = "x-viewer"
 """Key of a copy that the scene does not have: the process that made it."""
 
+_LONGEST_END_S = 20.0
+"""Time in which a session has closed its recording, whatever the disk [s]."""
+
 
 class PlayedScene:
     """One session of an edited scene.
@@ -73,7 +76,11 @@ class PlayedScene:
         """End the session, as a person who leaves would."""
         if self._child.poll() is None:
             self._child.terminate()
-            self._child.wait()
+            try:
+                self._child.wait(_LONGEST_END_S)
+            except subprocess.TimeoutExpired:
+                self._child.kill()
+                self._child.wait()
         self._clean()
 
     def _clean(self) -> None:
