@@ -138,7 +138,7 @@ def test_a_film_has_a_picture_of_every_sixtieth_second_and_fewer_at_a_higher_spe
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--plain"], "--plain is of a picture"),
+        (["--plain"], "--plain needs a picture"),
         (["--view", "--video", "a.mp4"], "give one of them"),
         (["--video", "film", "--scene", "no_such_scene"], "scene not found"),
         (["--video", "film", "--camera", "nose"], 'no camera "nose"'),

@@ -55,7 +55,7 @@ def test_a_head_is_within_the_distance_from_which_its_eyes_see(person: Path, tmp
     offsets = np.vstack(seen)
     before = offsets[offsets[:, 2] > -0.02]  # eyes do not see what is behind them
     assert len(before) > 100
-    assert np.linalg.norm(before, axis=1).max() < OWN_HEAD - 0.02, "two centimetres are left for the sway of a walk"
+    assert np.linalg.norm(before, axis=1).max() < OWN_HEAD - 0.018, "18 mm are left for the sway of a walk"
 
 
 @pytest.mark.parametrize(("name", "body"), BODIES.items())

@@ -123,7 +123,7 @@ def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_pat
     # The emulator shares this process: where that stalls for 20 ms, it stops for stale data before it is unplugged.
     assert answer["safety"]["stops"] == 1 and answer["safety"]["cause"] in ("DEVICE_FAULT", "STALE_DEVICE")
     if answer["safety"]["cause"] == "DEVICE_FAULT":
-        assert "safety stop: the device reports a fault, is gone, or takes no command; look at" in printed.err
+        assert "safety stop: the device reports a fault, is gone, or takes no command; check" in printed.err
     assert answer["recipe"] != "virtual"
     samples = Run.open(Path(answer["run_dir"])).haptic
     assert np.count_nonzero(samples["status"] == DeviceStatus.FAULT) > 200

@@ -398,7 +398,7 @@ def _lines(file: Path, **types: type) -> list[dict[str, Any]]:
         except ValueError as error:
             why = first_line(error)
         if why:
-            what = phrase("line {n:d} is damaged: {why}", n=number, why=why)
+            what = phrase("damaged line {n:d}: {why}", n=number, why=why)
             raise SceneError(Issue(str(file), "", what, phrase("restore the file, or that line")))
     return found
 
