@@ -11,10 +11,12 @@ from starlette.websockets import WebSocket
 
 from mimics_app.console.access import Role
 
-__all__ = ["VIEWS", "Client", "Clients"]
+__all__ = ["ASK_FIRST", "VIEWS", "Client", "Clients"]
 
 VIEWS = "this page was opened with an address for viewing"
 """Refusal of what a client may not do with its token."""
+ASK_FIRST = "this page views; ask for the operator's place first"
+"""Refusal of what only the client does that operates."""
 _MOST_WAITING = 256
 """Texts that wait for a slow client before it is closed."""
 _PER_SECOND, _AT_ONCE = 20.0, 40.0

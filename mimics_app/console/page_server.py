@@ -24,9 +24,10 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from mimics_app.console.access import COOKIE, Access
-from mimics_app.console.clients import VIEWS, Client, Clients
+from mimics_app.console.clients import ASK_FIRST, VIEWS, Client, Clients
 from mimics_app.console.guard import Guard, read_body
 from mimics_app.console.handover import Lines, attach, send_line
+from mimics_app.console.participant_forms import FormRequest, answer_of_form, why_no_form
 from mimics_app.console.readiness import Choice, find_choices, find_lights, start_words
 from mimics_app.console.session_view import SessionView, compressed
 from mimics_app.console.telemetry import MIRROR, TELEMETRY, VALUES, message
@@ -76,6 +77,8 @@ _SLOW = 6
 """Passes between two looks at what changes slowly."""
 _BEAT = 60
 """Passes between two signs of life to the process that serves STOP."""
+_BEFORE = ("choices", "check", "form")
+"""Requests before a session; each tells of studies and their participants."""
 _MOST_CLIENTS = 16
 _NO_TICKS = message(TELEMETRY, b"")
 """Sign of life while the loop makes no ticks."""
@@ -100,6 +103,7 @@ class _Ask(msgspec.Struct, forbid_unknown_fields=True):
         command: A command to the session; empty: none.
         ask: A request to the server.
         choice: Of requests before a session: what was chosen.
+        form: Of "form": what is wanted of a participant's forms.
         view: Of "look": the view to show beside the person's picture; "": none.
     """
 
@@ -107,6 +111,7 @@ class _Ask(msgspec.Struct, forbid_unknown_fields=True):
     command: msgspec.Raw = _NO_COMMAND
     ask: str = ""
     choice: Choice | None = None
+    form: FormRequest | None = None
     view: Annotated[str, Meta(max_length=80)] = ""
 
 
@@ -217,11 +222,11 @@ class PageServer:
             client.tell({"kind": "answer", "id": -1, "done": False, "why": f"not a request: {error}"})
             return
         why = client.may_ask(ask.id, asyncio.get_running_loop().time())
-        if not why and ask.ask in ("choices", "check"):  # which tell of studies and their participants
-            if client.may_operate:
+        if not why and ask.ask in _BEFORE:
+            why = why_no_form(client, ask.form) if ask.ask == "form" else "" if client.may_operate else VIEWS
+            if not why:
                 asyncio.get_running_loop().create_task(_prepare(client, ask))
                 return
-            why = VIEWS
         why = why or self._do(client, ask)
         if why or not bytes(ask.command):
             client.tell({"kind": "answer", "id": ask.id, "done": not why, "why": why})
@@ -233,7 +238,7 @@ class PageServer:
             deed = self._deeds.get(ask.ask)
             return "unknown request" if deed is None else deed(client)
         if not client.operates:
-            return "this page views; ask for the operator's place first"
+            return ASK_FIRST
         if self._session is None:
             return "no session is attached"
         if ask.ask:
@@ -243,7 +248,7 @@ class PageServer:
     def _start(self, client: Client, choice: Choice | None) -> str:
         """Let the process that serves STOP start a session: of the usual priority, and not to end with this one."""
         if not client.operates:
-            return "this page views; ask for the operator's place first"
+            return ASK_FIRST
         if choice is None or self._session is not None:
             return "a session is attached already" if choice else "nothing was chosen"
         send_line(self._line, {"kind": "start", "words": start_words(choice)})
@@ -328,9 +333,11 @@ async def _texts(request: Request) -> Response:
 
 
 async def _prepare(client: Client, ask: _Ask) -> None:
-    """Answer what can be chosen, or the lights of a choice; both take seconds."""
+    """Answer what can be chosen, the lights of a choice, or of a participant's forms; each takes seconds."""
     if ask.ask == "choices":
         client.tell({"kind": "answer", "id": ask.id, "done": True, "why": "", "choices": await find_choices()})
+    elif ask.form is not None and ask.ask == "form":
+        client.tell({"kind": "answer", "id": ask.id, **await answer_of_form(ask.form)})
     elif ask.choice is not None:
         client.tell({"kind": "answer", "id": ask.id, "done": True, "why": "", "lights": await find_lights(ask.choice)})
 

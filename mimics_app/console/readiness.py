@@ -1,14 +1,12 @@
 """Before a session: what can be chosen, lights of what it needs, and the words of its command line.
 
-The command line of this program answers all of it, each time in a process of its own: no session is imported here.
+The command line of this program answers all of it, see `command_line`.
 """
 
 from __future__ import annotations
 
 import asyncio
-import json
 import shlex
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -16,17 +14,17 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from mimics_app.console.command_line import ask_command
 from mimics_app.contracts.system.phrases import phrase
 
-__all__ = ["Choice", "Light", "files_of_next", "find_choices", "find_lights", "start_words"]
+__all__ = ["Choice", "Light", "StudyName", "Word", "files_of_next", "find_choices", "find_lights", "start_words"]
 
-_LONGEST_S = 120.0
 _LEAST_HOURS = 1.0
 """Hours of recording that must fit on the disk for a green light."""
 
 Word = Annotated[str, Meta(max_length=120, pattern=r"^[^\x00-\x1f]*$")]
 
-_Study = Annotated[
+StudyName = Annotated[
     str, Meta(max_length=120, pattern=r"^([^/\\\x00-\x1f\ud800-\udfff.][^/\\\x00-\x1f\ud800-\udfff]*)?$")
 ]
 """Name of a folder that is shown, or ""."""
@@ -56,7 +54,7 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
     difficulty: Literal["easier", "usual", "harder"] = "usual"
     trials: Annotated[int, Meta(ge=0, le=10_000)] = 0
     physio: Word = ""
-    study: _Study = ""
+    study: StudyName = ""
     interrupted: Literal["", "resume", "restart-block"] = ""
     despite: Annotated[str, Meta(max_length=300)] = ""
 
@@ -94,7 +92,7 @@ def _given(named: Mapping[str, str]) -> list[str]:
 
 async def find_choices() -> dict[str, Any]:
     """Return the scenes, devices and displays of this installation, and the studies in the folder of the page."""
-    scenes, devices = await asyncio.gather(_ask("scenes"), _ask("devices"))
+    scenes, devices = await asyncio.gather(ask_command("scenes"), ask_command("devices"))
     return {
         "scenes": [
             {"name": each["name"], "title": each.get("title", each["name"]), "group": each.get("group", "")}
@@ -124,7 +122,7 @@ def _is_ready(kind: Mapping[str, Any]) -> bool:
 def _can_be_chosen(study: str) -> bool:
     """Return whether a `Choice` takes the name of a study: it is neither hidden nor too long."""
     try:
-        msgspec.convert(study, _Study)
+        msgspec.convert(study, StudyName)
     except msgspec.ValidationError:
         return False
     return True
@@ -132,8 +130,8 @@ def _can_be_chosen(study: str) -> bool:
 
 async def find_lights(choice: Choice) -> list[Light]:
     """Return a light for each thing that a session of this choice needs."""
-    first = _ask("study", "status", choice.study) if choice.study else _ask("scenes")
-    found, devices, doctor = await asyncio.gather(first, _ask("devices"), _ask("doctor"))
+    first = ask_command("study", "--", "status", choice.study) if choice.study else ask_command("scenes")
+    found, devices, doctor = await asyncio.gather(first, ask_command("devices"), ask_command("doctor"))
     return [
         *await (_lights_of_study if choice.study else _lights_of_scene)(choice, found),
         device_light(choice, devices),
@@ -145,13 +143,13 @@ async def find_lights(choice: Choice) -> list[Light]:
 
 async def _lights_of_scene(choice: Choice, scenes: Mapping[str, Any]) -> list[Light]:
     file = next((each["file"] for each in scenes.get("scenes", []) if each["name"] == choice.scene), "")
-    checked = await _ask("check", file) if file else {"errors": [{"what": f"there is no scene {choice.scene}"}]}
+    checked = await ask_command("check", file) if file else {"errors": [{"what": f"there is no scene {choice.scene}"}]}
     return [scene_light(checked), tracker_light(checked)]
 
 
 async def _lights_of_study(choice: Choice, status: Mapping[str, Any]) -> list[Light]:
     files = files_of_next(choice, status)
-    checked = await _ask("check", *files) if files else {}
+    checked = await ask_command("check", *files) if files else {}
     return [study_light(choice, status), *([scene_light(checked), tracker_light(checked)] if files else [])]
 
 
@@ -285,19 +283,3 @@ def signal_light(choice: Choice) -> Light:
     return Light(
         phrase("body signals"), "amber", phrase("{source} is sought at the start", source=choice.physio), remedy
     )
-
-
-async def _ask(*words: str) -> dict[str, Any]:
-    """Return the object that a command prints; {} where it prints none in time."""
-    process = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", "mimics_app", *words, "--json",
-        stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        out, _ = await asyncio.wait_for(process.communicate(), _LONGEST_S)
-        found = json.loads(out)
-    except (TimeoutError, ValueError):
-        if process.returncode is None:
-            process.kill()
-        return {}
-    return found if isinstance(found, dict) else {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import time
 from collections.abc import Callable
@@ -18,6 +19,13 @@ from tests.support.operators_page import served
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 CODE = "007 ü"
 LONGEST_S = 120.0
+ITEMS = {
+    "pain": {"label": "Pain <img src=x onerror=alert(1)>", "kind": "scale", "low": 0, "high": 10, "step": 1},
+    "hand": {"label": "Preferred hand", "kind": "choice", "choices": ["left", "right"]},
+    "age": {"label": "Age in years", "kind": "number", "low": 0, "high": 130, "required": False},
+    "remark": {"label": "Remarks", "required": False},
+}
+FORMS = {"before": {"title": "Before the session", "items": ITEMS}}
 
 
 def until(happened: Callable[[], Any]) -> Any:
@@ -28,6 +36,33 @@ def until(happened: Callable[[], Any]) -> Any:
     return found
 
 
+def answer_the_form(tab: Any, study: Path) -> None:
+    """A new code is confirmed; what the study's form does not take is said at its field; the study keeps the rest."""
+
+    def kept() -> list[Any]:
+        return [json.loads(line)["answers"] for file in study.rglob("answers.jsonl") for line in file.open()]
+
+    tab.locator("#do-forms").click()
+    tab.get_by_role("button", name=f"Add {CODE} to the study").click()
+    assert not (study / "participants.jsonl").exists(), "nobody is added by the question"
+    tab.get_by_role("button", name="Before the session").click()
+    pain, hand, age = (tab.get_by_label(re.compile(f"^{label}")) for label in ("Pain <img", "Preferred", "Age"))
+    pain.wait_for()
+    assert tab.locator("#answers img").count() == 0
+    assert (pain.get_attribute("max"), age.get_attribute("max")) == ("10", "130")
+    age.fill("131")
+    tab.get_by_role("button", name="Save answers").click()
+    until(lambda: tab.locator("#answers [aria-invalid=true]").count() == 3)
+    assert '"pain" has no answer' in tab.locator("#answers").inner_text() and not kept()
+    pain.fill("3")
+    hand.select_option("left")
+    age.fill("61")
+    tab.get_by_role("button", name="Save answers").click()
+    until(lambda: kept() == [{"pain": 3.0, "hand": "left", "age": 61.0}])
+    tab.get_by_role("button", name="Before the session").click()
+    until(lambda: hand.is_visible() and hand.input_value() == "left" and pain.input_value() == "3")
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed: apt-get install chromium")
 def test_the_next_run_of_a_study_is_chosen_and_begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The run gets no window here, so that a simulated person plays it."""
@@ -35,7 +70,7 @@ def test_the_next_run_of_a_study_is_chosen_and_begun(tmp_path: Path, monkeypatch
         monkeypatch.delenv(name, raising=False)
     (tmp_path / "run").mkdir()
     conditions = {name: {"scene": name, "trials": 1} for name in ("wavy_tunnel", "pick_and_place")}
-    protocol = {"format": "mimics study", "version": 1, "conditions": conditions}
+    protocol = {"format": "mimics study", "version": 1, "conditions": conditions, "forms": FORMS}
     (tmp_path / "protocol.json").write_text(json.dumps({**protocol, "blocks": [{"conditions": list(conditions)}]}))
     made = mimics("study", "new", tmp_path / "grasp study", "--protocol", tmp_path / "protocol.json")
     assert made.returncode == 0, made.stderr
@@ -57,8 +92,9 @@ def test_the_next_run_of_a_study_is_chosen_and_begun(tmp_path: Path, monkeypatch
         assert tab.locator("#choose-scene").is_disabled() and tab.locator("#choose-trials").is_disabled()
         tab.locator("#choose-participant").fill(CODE)
         lights = tab.locator("#lights")
+        answer_the_form(tab, journals)
         tab.locator("#do-check").click()
-        until(lambda: "new in the study" in str(lights.text_content()))
+        until(lambda: "study (ready): run 1 of session 1: wavy_tunnel" in str(lights.text_content()))
         tab.locator("#do-start").click()
         lines = until(lambda: found if len(found := journal()) > 1 else None)
         assert (lines[0]["run"], lines[0]["condition"], lines[1]["outcome"]) == (1, "wavy_tunnel", "done")

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import hmac
+import io
+import json
 import os
 import shlex
+import socket
 import sys
 import threading
 from dataclasses import replace
@@ -20,11 +23,13 @@ import pytest
 from assets.builders.texts.msgids import page_texts
 from mimics_app.app.cli import parse
 from mimics_app.app.picture.around_hand import AROUND
+from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.console import page_server
 from mimics_app.console.access import COOKIE, Access, new_tokens
-from mimics_app.console.clients import Clients
+from mimics_app.console.clients import Client, Clients
 from mimics_app.console.handover import VERSION, AttachedSession, SessionCard
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
+from mimics_app.console.participant_forms import FormRequest
 from mimics_app.console.readiness import (
     Choice,
     device_light,
@@ -50,6 +55,7 @@ from mimics_app.contracts.shared_memory.newest_bytes import NEWEST_WORDS, Newest
 from mimics_app.contracts.shared_memory.ring_history import HistoryWriter, RingHistory
 from mimics_app.contracts.shared_memory.session_memory import Capacities, SessionMemory
 from mimics_app.contracts.shared_memory.shared_words import RING_WORDS, STOP_STRIDE
+from tests.support.command import mimics
 
 
 def test_the_newest_value_is_whole_while_its_writer_never_rests() -> None:
@@ -191,7 +197,7 @@ def test_the_choices_have_only_studies_that_can_be_chosen(tmp_path: Path, monkey
         (tmp_path / name).mkdir()
         (tmp_path / name / "study.json").write_text("{}")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mimics_app.console.readiness._ask", none)
+    monkeypatch.setattr("mimics_app.console.readiness.ask_command", none)
     studies = asyncio.run(find_choices())["studies"]
     assert studies == ["caf\u00e9 2", "gait"]
     for study in studies:
@@ -299,6 +305,90 @@ def test_the_scenes_of_a_study_that_may_come_next_are_checked(participant: str, 
     rows = [{"participant": "P01", "condition": "late"}, {"participant": "P02", "over": True}]
     status = {"participants": rows, "scenes": {"early": "a", "again": "a", "late": "b"}}
     assert files_of_next(Choice("a", study="s", participant=participant), status) == files
+
+
+class Desk:
+    """Pages at a server, whose commands run in this process; `words` is what a list of processes would show."""
+
+    def __init__(self, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.chdir(folder)
+        monkeypatch.setattr("mimics_app.console.participant_forms.ask_command", self.command)
+        self.patch, self.words, self.number = monkeypatch, list[str](), 0
+        access = Access(("127.0.0.1",), 1, 2, new_tokens(operate=True))
+        self.server = page_server.PageServer(access, socket.socketpair()[0])
+
+    async def command(self, *words: str, given: bytes = b"") -> dict[str, Any]:
+        self.words += words
+        self.patch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(given)))
+        return dict(json.loads(mimics(words[0], "--json", *words[1:]).stdout))
+
+    async def ask(self, client: Client, **form: Any) -> dict[str, Any]:
+        self.number += 1
+        wanted = {"id": self.number, "ask": "form", "form": {"study": "gait", "participant": "P07", **form}}
+        client._asked_s = 0.0  # a test is faster than a person
+        self.server._take(client, json.dumps(wanted))
+        while not client._texts:
+            await asyncio.sleep(0)
+        return dict(json.loads(client._texts.popleft()))
+
+
+def test_who_operates_opens_and_answers_a_participants_form_and_nobody_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The study on the disk is asked what was kept."""
+    assert mimics("study", "new", tmp_path / "gait", "wavy_tunnel", "--form", "person").returncode == 0
+    desk, study = Desk(tmp_path, monkeypatch), StudyFolder(tmp_path / "gait")
+    right = {"age": "61.5", "hand": "left", "side": ""}
+
+    async def play() -> None:
+        join = desk.server._clients.join
+        operator, second, viewer = (join(None, role) for role in ("operate", "operate", "view"))  # type: ignore[arg-type]
+        for wanted in ({}, {"form": "person", "add": True}, {"form": "person", "add": True, "answers": right}):
+            for other in (viewer, second):
+                refused = await desk.ask(other, **wanted)
+                assert not refused["done"] and not {"forms", "form", "known"} & set(refused)
+        assert desk.words == [] and study.participants == []
+        listed = await desk.ask(operator)
+        assert listed["done"] and not listed["known"] and list(listed["forms"]) == ["person"]
+        new = await desk.ask(operator, form="person")
+        assert "no participant" in new["why"] and study.participants == [], "it is added when that is confirmed only"
+        shown = (await desk.ask(operator, form="person", add=True))["form"]
+        assert list(shown["items"]) == ["age", "hand", "side"] and shown["last"] == {}
+        assert (await desk.ask(operator, participant=" P07 "))["known"]
+        wrong = await desk.ask(operator, form="person", answers=right)
+        assert not wrong["done"] and wrong["faults"] == {"/side": '"side" has no answer'}
+        assert study.answers_of(study.find("P07")) == []
+        assert (await desk.ask(operator, form="person", answers=right | {"side": "none"}))["done"]
+        kept = {"age": 61.5, "hand": "left", "side": "none"}
+        assert [line["answers"] for line in study.answers_of(study.find("P07"))] == [kept]
+        assert (await desk.ask(operator, form="person"))["form"]["last"] == {"session": 1, "answers": kept}
+        for absent in ({"form": "persn"}, {"study": "x"}):
+            assert not (await desk.ask(operator, **absent))["done"]
+
+    asyncio.run(play())
+    assert "--answers=-" in desk.words and not [word for word in desk.words if "61.5" in word or "left" in word]
+
+
+@pytest.mark.parametrize(
+    "form",
+    [
+        {"study": "../gait"},
+        {"study": ""},
+        {"participant": ""},
+        {"participant": "P\n7"},
+        {"participant": "7" * 121},
+        {"form": "x" * 121},
+        {"answers": {"age": 61}},
+        {"answers": {"age": "6" * 2001}},
+        {"answers": {str(number): "" for number in range(201)}},
+        {"out": "/tmp"},
+    ],
+)
+def test_what_is_asked_of_a_form_is_held_to_its_schema(form: dict[str, Any]) -> None:
+    good = {"study": "gait", "participant": "P07", "form": "person", "answers": {"age": "61"}}
+    assert msgspec.json.decode(json.dumps(good), type=FormRequest).answers == {"age": "61"}
+    with pytest.raises(msgspec.ValidationError):
+        msgspec.json.decode(json.dumps(good | form), type=FormRequest)
 
 
 def test_a_folder_that_is_no_study_is_said() -> None:

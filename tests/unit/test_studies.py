@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import re
 import stat
@@ -444,6 +445,32 @@ def test_an_answer_that_its_item_does_not_take_is_refused_with_its_name(given: d
     with pytest.raises(UsageError, match=re.escape(why)):
         check_answers(form, given)
     assert check_answers(form, {"level": "7", "why": "=cmd"}) == {"level": 7.0, "why": "=cmd"}
+
+
+def test_answers_by_standard_input_are_refused_item_by_item_and_a_known_code_is_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every fault has the place of its item; nothing is kept, and nobody is added who is not known."""
+
+    def answered(given: str, *options: str) -> dict[str, Any]:
+        monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(given.encode())))
+        told = mimics("study", "--json", "--answers=-", *options, "--", "form", tmp_path / "s", "-7", "person")
+        return dict(json.loads(told.stdout))
+
+    mimics("study", "new", tmp_path / "s", "wavy_tunnel", "--form", "person")
+    study, right = StudyFolder(tmp_path / "s"), '{"hand": "left", "side": "none"}'
+    assert 'no participant "-7"' in answered(right, "--known")["errors"][0]["what"] and study.participants == []
+    wrong = answered('{"age": "131", "hand": "third"}')["errors"]
+    assert [each["pointer"] for each in wrong] == ["/age", "/hand", "/side"]
+    assert "{" in answered("[]")["errors"][0]["fix"], "an object is asked for"
+    assert study.answers_of(study.find("-7")) == []
+    answered(right, "--known")
+    shown = json.loads(mimics("study", "--json", "--", "form", tmp_path / "s", "-7", "person").stdout)
+    assert shown["last"] == {"session": 1, "answers": {"hand": "left", "side": "none"}}
+    assert mimics("study", "form", tmp_path / "s", "8", "persn").returncode == 2 and len(study.participants) == 1
+    assert json.loads(mimics("study", "status", tmp_path / "s", "--json").stdout)["forms"] == {
+        "person": SHIPPED_FORMS["person"].title
+    }
 
 
 def test_a_form_without_sense_is_an_error_of_the_protocol(tmp_path: Path) -> None:

@@ -71,7 +71,10 @@ def _add_verbs(group: Container) -> None:
     group.add_argument(
         "--form", action="append", default=[], metavar="NAME", help="new: take a shipped form: nasa_tlx, person"
     )
-    group.add_argument("--answers", type=Path, metavar="FILE", help="form: answers as JSON, by item")
+    group.add_argument(
+        "--answers", type=Path, metavar="FILE", help='form: answers as JSON, by item; "-": those of standard input'
+    )
+    group.add_argument("--known", action="store_true", help="form: add nobody, refuse a code that the study has not")
     group.add_argument(
         "--person", default="", metavar="NAME", help="run: name instead of a code; kept in the key file only"
     )

@@ -9,11 +9,12 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
-from mimics_app.contracts.errors import UsageError, nearest
+from mimics_app.contracts.errors import Issue, UsageError, nearest
 from mimics_app.contracts.system.language import translated
 from mimics_app.contracts.system.phrases import phrase
+from mimics_app.world.files.reading.json_text import escape
 
-__all__ = ["SHIPPED_FORMS", "Answer", "Form", "Item", "check_answers", "item_words"]
+__all__ = ["SHIPPED_FORMS", "Answer", "AnswersError", "Form", "Item", "check_answers", "item_words"]
 
 Answer = str | float
 """Value of an item."""
@@ -64,6 +65,23 @@ class Form(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     items: Annotated[dict[str, Item], Meta(min_length=1)]
 
 
+class AnswersError(UsageError):
+    """Answers that a form does not take: the fault of each item, with its name as the pointer.
+
+    Args:
+        faults: Errors by the names of the items; one at least.
+    """
+
+    def __init__(self, faults: Mapping[str, UsageError]) -> None:
+        self._issues = [Issue("", f"/{escape(name)}", error.what, error.fix) for name, error in faults.items()]
+        super().__init__(self._issues[0].what, self._issues[0].fix)
+
+    @property
+    def issues(self) -> list[Issue]:
+        """The fault of each item, in the order of the form."""
+        return self._issues
+
+
 def check_answers(form: Form, given: Mapping[str, object]) -> dict[str, Answer]:
     """Return the answers by the names of the items, numbers as numbers.
 
@@ -72,12 +90,21 @@ def check_answers(form: Form, given: Mapping[str, object]) -> dict[str, Answer]:
         given: Values as typed or as in a file.
 
     Raises:
-        UsageError: An answer is missing, or is none that its item takes.
+        AnswersError: Answers are missing, or are none that their items take.
+        UsageError: The form has no item of a name.
     """
     for name in given:
         if name not in form.items:
             raise UsageError(f'the form has no item "{name}"', nearest(name, form.items))
-    answers = {name: _checked(name, item, given.get(name, "")) for name, item in form.items.items()}
+    answers: dict[str, Answer] = {}
+    faults: dict[str, UsageError] = {}
+    for name, item in form.items.items():
+        try:
+            answers[name] = _checked(name, item, given.get(name, ""))
+        except UsageError as error:
+            faults[name] = error
+    if faults:
+        raise AnswersError(faults)
     return {name: value for name, value in answers.items() if value != ""}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ from mimics_app.recording.json_text import parse_object
 
 __all__ = ["VERBS", "do_verb"]
 
+_MOST_BYTES = 1_000_000
+"""Longest file of answers."""
 _EMPTY = {
     "format": "mimics study",
     "version": 1,
@@ -77,27 +80,40 @@ def _form(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     study = StudyFolder(folder)
     if len(words) < 2:
         raise UsageError("the participant or the form is missing", "mimics study form FOLDER P07 FORM ITEM=VALUE ..")
-    participant, name = study.find_or_add(words[0]), words[1]
+    name = words[1]
     form = study.protocol.forms.get(name)
     if form is None:
         raise UsageError(f'the study has no form "{name}"', nearest(name, study.protocol.forms))
-    given: dict[str, object] = {} if args.answers is None else parse_object(read_regular(args.answers))
+    participant = study.find(words[0]) if args.known else study.find_or_add(words[0])
+    given: dict[str, object] = {} if args.answers is None else _answers(args.answers)
     for word in words[2:]:
         item, equals, value = word.partition("=")
         if not equals:
             raise UsageError(f'"{word}" is not an answer', "give ITEM=VALUE")
         given[item] = value
     about = {"verb": "form", "participant": participant.code, "form": name}
-    if not given:
+    session = find_next(study, participant).session
+    if args.answers is None and not given:
         with speaking(participant.language or spoken()):
             lines = [translated(form.title), *(item_words(*item) for item in form.items.items())]
-        answer(args, {**about, "items": msgspec.to_builtins(form.items)}, lines)
+        earlier = [line for line in study.answers_of(participant) if line["form"] == name]
+        last = {key: earlier[-1][key] for key in ("session", "answers")} if earlier else {}
+        shown = {"title": form.title, "items": msgspec.to_builtins(form.items), "session": session, "last": last}
+        answer(args, {**about, **shown}, lines)
         return 0
     answers = check_answers(form, given)
-    session = find_next(study, participant).session
     study.write_answers(participant, name, session, answers)
     answer(args, {**about, "session": session, "answers": answers}, [f"{form.title}: {len(answers)} answers are kept"])
     return 0
+
+
+def _answers(file: Path) -> dict[str, object]:
+    """Return the answers of a file; of standard input, which no list of processes and no folder shows, for "-"."""
+    try:
+        at_stdin = file == Path("-")
+        return parse_object(sys.stdin.buffer.read(_MOST_BYTES) if at_stdin else read_regular(file, _MOST_BYTES))
+    except ValueError as error:
+        raise UsageError(f"{file}: no answers: {error}", 'write them as JSON, such as {"age": 61}') from error
 
 
 def _absolute(scene: str) -> str:
@@ -168,7 +184,8 @@ def _status(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
         rows.append({**_described(find_next(study, participant)), "planned": planned, **counts})
     lines = [f"{row['participant']}: {row['done']} of {row['planned']} runs done" for row in rows]
     scenes = {name: str(scene_of(study.protocol_file, each)) for name, each in study.protocol.conditions.items()}
-    about = {"verb": "status", "title": study.title, "participants": rows, "scenes": scenes}
+    forms = {name: form.title for name, form in study.protocol.forms.items()}
+    about = {"verb": "status", "title": study.title, "participants": rows, "scenes": scenes, "forms": forms}
     answer(args, about, lines or ["no participants yet"])
     return 0
 

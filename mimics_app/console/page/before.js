@@ -1,5 +1,6 @@
 // Before a session: the choice, the lights of what it needs, the start and its override.
 
+import { Forms } from "./forms.js";
 import { mark, t } from "./texts.js";
 import { setText, toast } from "./view.js";
 
@@ -11,15 +12,18 @@ const SIGNS = { green: "✓", amber: "!", red: "✗" };
 
 export class Before {
   #link;
+  #forms;
   #lights = null;
   #asked = false;
   #may = true;
 
   constructor(link) {
     this.#link = link;
+    this.#forms = new Forms(link);
     for (const value of [mark("usual"), mark("easier"), mark("harder")]) byId("choose-difficulty").append(new Option(t(value), value));
     for (const [value, text] of INTERRUPTED) byId("choose-interrupted").append(new Option(t(text), value));
-    byId("choose-study").addEventListener("input", () => this.#suit());
+    for (const id of ["choose-study", "choose-participant"]) byId(id).addEventListener("input", () => { this.#suit(); this.#forms.close(); });
+    byId("do-forms").addEventListener("click", () => this.#forms.open(this.choice().study, this.choice().participant));
     byId("do-check").addEventListener("click", () => this.check());
     byId("before-form").addEventListener("submit", (event) => { event.preventDefault(); this.start(); });
     byId("before-form").addEventListener("input", () => this.#forget());
@@ -28,6 +32,7 @@ export class Before {
   /** Show the form while no session is attached. */
   show(shown) {
     byId("before").hidden = !shown;
+    if (!shown) this.#forms.close();
     this.#forget();
     if (shown && !this.#asked) this.#fill();
   }
@@ -35,6 +40,7 @@ export class Before {
   /** Let only the operator choose. */
   enable(may) {
     this.#may = may;
+    if (!may) this.#forms.close();
     for (const node of byId("before-form").elements) node.disabled = !may;
     this.#suit();
   }
@@ -43,6 +49,7 @@ export class Before {
   #suit() {
     const chosen = byId("choose-study").value !== "";
     byId("of-study").hidden = !chosen;
+    byId("do-forms").hidden = !chosen || byId("choose-participant").value.trim() === "";
     if (!chosen) byId("choose-interrupted").value = "";
     for (const id of OF_STUDY) byId(id).disabled = !this.#may || chosen;
   }
