@@ -129,7 +129,7 @@ def pick_sprites(
     """Cull sprites and sort them: masked ones by state, then blended ones far to near.
 
     Args:
-        sprites: SPRITE, as the next four arguments see `_cull_sprites`.
+        sprites: SPRITE records; its shape, and those of the next four arguments, as in `_cull_sprites`.
         count: Number of sprites.
         planes: Planes of the frustum.
         eye: Position of the camera.
