@@ -92,9 +92,10 @@ def _rank(name: str) -> tuple[int, str]:
     return (_FIRST.index(name) if name in _FIRST else len(_FIRST), name)
 
 
+@cache
 def find_shipped(name: str) -> ShippedScene | None:
-    """Return the shipped scene of a name; None where there is none."""
-    return next((scene for scene in shipped_scenes() if scene.name == name), None)
+    """Return the shipped scene of a name, the only one whose file is read; None where there is none."""
+    return next((_describe(file) for file in _files() if file.stem == name), None)
 
 
 def is_only_looked_at(file: Path) -> bool:
