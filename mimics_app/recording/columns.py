@@ -20,7 +20,6 @@ from mimics_app.contracts.loop.loop_fields import (
 )
 
 __all__ = [
-    "INPUT_FIELDS",
     "OUTPUT_FIELDS",
     "TIMING_FIELDS",
     "RecordedField",
@@ -48,9 +47,6 @@ _OF_EACH_POINT = tuple(field for field in _RECORDED if field.per is Per.POINT)
 def _names_of(replay: Replay) -> tuple[str, ...]:
     return tuple(field.name for field in _RECORDED if field.replay is replay)
 
-
-INPUT_FIELDS = _names_of(Replay.INPUT)
-"""Inputs of a tick, which a replay feeds in."""
 
 TIMING_FIELDS = _names_of(Replay.TIMING)
 """Timing of the live loop, excluded from the state hash and from comparisons."""

@@ -32,7 +32,7 @@ class ReplayData:
     """Inputs of every tick.
 
     Attributes:
-        samples: SAMPLE records, shape [n]; a replay reads their input fields only (`columns.INPUT_FIELDS`).
+        samples: SAMPLE records, shape [n]; a replay reads their input fields only (`Replay.INPUT`).
         blocks: SCENE record [shape 1] by sequence; the sample of a tick says which one it used.
         rows: The tables of haptic objects beside each of them.
         statics: Data of the objects that the loop receives once.

@@ -13,15 +13,17 @@ from mimics_app.lab.stability.contacts_loop import (
     Device,
     exact_limit,
     exact_matrix,
-    rule_margin,
+    region_of,
     rule_share,
     simulated_limit,
+    span_of,
 )
 from mimics_app.lab.stability.linear import spectral_radius
 from mimics_app.lab.stability.s16_contact_directions import EXPERIMENT, compare
 from mimics_app.lab.stability.wall_loop import Wall
 from mimics_app.lab.stability.wall_loop import exact_limit as exact_wall
 from mimics_app.rendering.haptic.kernels.closed_region import contact_share
+from mimics_app.rendering.haptic.kernels.directions import worst_direction
 from tests.support.regions import linear_region
 
 ANGLES = [0.0, 30.0, 60.0, 90.0]
@@ -58,7 +60,14 @@ def test_of_one_contact_the_worst_direction_is_its_normal(k: float, B: float, b:
     contacts = (Contact(angle, k, B, 0.3),)
     share = contact_share(linear_region(b, device.lag), k, B, CAP)
     assert rule_share(device, contacts, CAP) == pytest.approx(share, rel=1e-9)
-    assert rule_margin(device, contacts) == pytest.approx(min(99.0, (b + B) / device.lag / k - 1.0), rel=1e-9, abs=1e-9)
+    assert _margin(device, contacts) == pytest.approx(min(99.0, (b + B) / device.lag / k - 1.0), rel=1e-9, abs=1e-9)
+
+
+def _margin(device: Device, contacts: tuple[Contact, ...]) -> float:
+    """The stability margin of the worst direction [-], as the loop computes it."""
+    span = span_of(contacts)
+    worst_direction(span[0], region_of(device)[0])
+    return float(span[0]["margin"])
 
 
 def _contacts(angles: tuple[float, ...], k: tuple[float, ...], B: tuple[float, ...]) -> tuple[Contact, ...]:
@@ -117,5 +126,5 @@ def test_the_margin_is_no_further_above_the_truth_than_that_of_one_contact(
     contacts = (Contact(0.0, k, own), Contact(math.radians(angle), other, B))
     wall = Wall(mass=device.mass, device_damping=b, wall_damping=own + B, delay=delay)
     alone = exact_wall(wall) * device.lag / (b + own + B)
-    times = 0.999 * min(1.0, alone) * (1.0 + rule_margin(device, contacts))
+    times = 0.999 * min(1.0, alone) * (1.0 + _margin(device, contacts))
     assert spectral_radius(exact_matrix(device, _scaled(contacts, times))) < 1.0 - 1e-10

@@ -16,8 +16,9 @@ from mimics_app.app.cli import main
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, EventKind
 from mimics_app.contracts.loop.haptic_objects import TUNNEL
+from mimics_app.contracts.loop.loop_fields import LOOP_FIELDS, Replay
 from mimics_app.recording.arrow_format import decode_samples, encode_samples
-from mimics_app.recording.columns import INPUT_FIELDS, OUTPUT_FIELDS, present_columns
+from mimics_app.recording.columns import OUTPUT_FIELDS, present_columns
 from mimics_app.recording.event_log import encode_event
 from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import ReplayData, compare, compare_events, gather
@@ -30,13 +31,14 @@ from mimics_app.rendering.haptic.object_statics import ObjectStatics
 from tests.support.recorder_app import scene_block
 
 TICKS = 1000
+INPUTS = [field.name for field in LOOP_FIELDS if field.replay is Replay.INPUT]
 
 
 def _fake_tick(data: ReplayData) -> np.ndarray:
     """A tick with a memory: every output depends on every input so far."""
     samples = data.samples.copy()
     inputs = samples.view(np.float64).reshape(len(samples), -1)
-    first, last = (SAMPLE.fields[name][1] // 8 for name in (INPUT_FIELDS[0], OUTPUT_FIELDS[0]))
+    first, last = (SAMPLE.fields[name][1] // 8 for name in (INPUTS[0], OUTPUT_FIELDS[0]))
     gain = np.array([0.0 if s == 0 else data.blocks[int(s)]["virtual_mass"][0] for s in samples["sequence"]])
     total = np.cumsum(inputs[:, first:last].sum(axis=1) * gain * 1e-3)
     for i, name in enumerate(OUTPUT_FIELDS):

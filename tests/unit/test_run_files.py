@@ -21,7 +21,7 @@ import pytest
 from mimics_app.contracts.clock import MonotonicClock
 from mimics_app.contracts.errors import OutputError, PartialDataError, SceneError
 from mimics_app.contracts.loop.haptic import EVENT, SAMPLE, SCENE, EventKind
-from mimics_app.contracts.loop.loop_fields import FURTHER
+from mimics_app.contracts.loop.loop_fields import FURTHER, LOOP_FIELDS, Replay
 from mimics_app.contracts.messages.stage_messages import SignalBlock
 from mimics_app.contracts.shared_memory import ring
 from mimics_app.contracts.shared_memory.session_memory import SessionMemory
@@ -76,7 +76,8 @@ def test_every_column_has_a_name_and_a_unit() -> None:
         "tick", "buttons", "status", "sequence", "stop_word", "held", "progress", "ramp", "state", "cause",
         "margin", "touching", "touched_shape", "held_body", "bodies", "stiffness_share", "tank_share", "calm",
     }  # fmt: skip
-    fields = {"t", "tick", *columns.INPUT_FIELDS, *columns.OUTPUT_FIELDS, *columns.TIMING_FIELDS}
+    inputs = {field.name for field in LOOP_FIELDS if field.replay is Replay.INPUT}
+    fields = {"t", "tick", *inputs, *columns.OUTPUT_FIELDS, *columns.TIMING_FIELDS}
     assert fields == {*(SAMPLE.names or ())} - {FURTHER}
     samples = fake_samples(3, 2)
     assert rows_of(samples)[1][present_columns()[column_names().index("f_tunnel[2]")]] == samples["f_tunnel"][1][2]

@@ -29,13 +29,7 @@ from mimics_app.lab.stability.wall_loop import (
 )
 from mimics_app.rendering.haptic.kernels.closed_region import REGION, find_region
 from mimics_app.rendering.haptic.kernels.contact_law import spring_damper
-from mimics_app.rendering.haptic.kernels.directions import (
-    SPAN,
-    add_contact,
-    begin_span,
-    span_share,
-    worst_direction,
-)
+from mimics_app.rendering.haptic.kernels.directions import SPAN, add_contact, begin_span, span_share
 from mimics_app.rendering.haptic.kernels.integrators import step_free
 
 __all__ = [
@@ -43,10 +37,11 @@ __all__ = [
     "Device",
     "exact_limit",
     "exact_matrix",
+    "region_of",
     "rule_limit",
-    "rule_margin",
     "rule_share",
     "simulated_limit",
+    "span_of",
     "sum_limit",
 ]
 
@@ -215,7 +210,8 @@ def exact_limit(device: Device, contacts: Contacts) -> float:
     return find_limit(is_contracting, SOFT, _HARD)
 
 
-def _span_of(contacts: Contacts) -> NDArray[np.void]:
+def span_of(contacts: Contacts) -> NDArray[np.void]:
+    """Return the sum of all contacts as the live loop has it, a SPAN record, shape [1]."""
     span = np.zeros(1, SPAN)
     begin_span(span[0], 0.0, 0.0)
     for contact in contacts:
@@ -223,8 +219,8 @@ def _span_of(contacts: Contacts) -> NDArray[np.void]:
     return span
 
 
-def _region_of(device: Device) -> NDArray[np.void]:
-    """Return the region of the live loop for a device that takes forces, shape [1]."""
+def region_of(device: Device) -> NDArray[np.void]:
+    """Return the region of the live loop for a device that takes forces, a REGION record, shape [1]."""
     scene, region = np.zeros(1, SCENE), np.zeros(1, REGION)
     scene[0]["force_driven"], scene[0]["device_mass"] = 1, device.mass
     scene[0]["device_damping"] = device.damping
@@ -232,16 +228,9 @@ def _region_of(device: Device) -> NDArray[np.void]:
     return region
 
 
-def rule_margin(device: Device, contacts: Contacts) -> float:
-    """Return the stability margin of the worst direction [-], as the loop computes it."""
-    span = _span_of(contacts)
-    worst_direction(span[0], _region_of(device)[0])
-    return float(span[0]["margin"])
-
-
 def rule_share(device: Device, contacts: Contacts, margin: float = 0.0) -> float:
     """Return the share of all contacts that gives a margin in every direction, as in the stiffness cap, 0-1."""
-    return float(span_share(_span_of(contacts)[0], _region_of(device)[0], margin))
+    return float(span_share(span_of(contacts)[0], region_of(device)[0], margin))
 
 
 def rule_limit(device: Device, contacts: Contacts) -> float:
