@@ -182,7 +182,7 @@ class PageServer:
     async def _enter(self, request: Request) -> Response:
         try:
             token = _TOKENS.decode(await read_body(request) or b"").token
-        except msgspec.DecodeError:
+        except (ValueError, RecursionError, msgspec.DecodeError):  # ValueError: bytes that are no UTF-8
             return JSONResponse({"why": "not a token"}, 400)
         role = self._access.role_of_token(token)
         if role is None:

@@ -76,7 +76,7 @@ def stop_app(button: StopButton, access: Access) -> ASGIApp:
             return _answer(request, 403, "only an operator may stop the session")
         try:
             nonce = _PRESSES.decode(await read_body(request) or b"").nonce
-        except (ValueError, msgspec.DecodeError):
+        except (ValueError, RecursionError, msgspec.DecodeError):
             return _answer(request, 400, "not a press of STOP")
         if not button.is_new(nonce):
             return _answer(request, 409, "this press was given before")

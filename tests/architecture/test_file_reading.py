@@ -28,7 +28,6 @@ OWN_DATA = {
     "compiled/kernel_sources.py": "package sources",
     "console/own_certificate.py": "written by itself",
     "console/page_server.py": "package data",
-    "contracts/ports/method_table.py": "package data",
     "contracts/system/language.py": "package data",
     "contracts/system/run_environment.py": "/proc",
     "contracts/system/table_file.py": "package data",

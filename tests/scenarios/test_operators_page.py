@@ -88,6 +88,8 @@ def test_no_wrong_or_foreign_client_gets_in(page: PageAddress) -> None:
     assert post(f"{origin}/enter", {"token": "x" * 43}, origin=origin)[0] == 403
     assert post(f"{origin}/enter", {"token": page.url.partition("#")[2]})[0] == 403, "no origin"
     assert post(f"{origin}/enter", {"token": page.url.partition("#")[2]}, origin="http://evil.example")[0] == 403
+    for damaged in (b'{"token": "\xff"}', b'{"other": ' + b"[" * 20_000, b""):
+        assert post(f"{origin}/enter", damaged, origin=origin)[0] in (400, 413)
     for changes in ({"cookie": ""}, {"cookie": cookie[:-1] + "0"}, {"origin": "http://evil.example"}, {"origin": None}):
         with pytest.raises(InvalidStatus) as refused:
             open_socket(page, **changes)

@@ -25,6 +25,7 @@ import msgspec
 import numpy as np
 
 from mimics_app.app.commands.check import examine
+from mimics_app.app.scenes.person_edit import read_fit
 from mimics_app.app.study.protocol import read_protocol
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.sweep.experiments import NAMES, find_experiment
@@ -33,6 +34,7 @@ from mimics_app.console.page_server import _ASKS
 from mimics_app.contracts.commands.vocabulary import read_command
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.mirror_frame import MirrorFrame, read_frame, write_frame
+from mimics_app.contracts.ports import method_table
 from mimics_app.contracts.system.machine_memory import MachineMemory
 from mimics_app.contracts.system.resources import root
 from mimics_app.inputs.commands.command_file import read_command_file
@@ -59,6 +61,7 @@ from mimics_app.tasks.trial_file import load_blocks
 from mimics_app.world.files.capture.bvh import read_bvh
 from mimics_app.world.files.capture.c3d_file import read_c3d
 from mimics_app.world.files.gltf.file import load_gltf
+from mimics_app.world.files.people.measures_file import read_measures
 
 __all__ = ["ATTACKS", "READERS", "SECRET", "WIRES", "Reader"]
 
@@ -135,6 +138,11 @@ _EYE = {"tangents": [-1.0, 1.0, -1.1, 1.1], "position": [0.0, 0.0, 0.0]}
 _WALL = {"name": "front", "lower_left": [-1, 0, -1], "lower_right": [1, 0, -1], "upper_left": [-1, 2, -1]}
 _SWEEP = {"format": "mimics-sweep", "version": 1, "experiment": "wall_stability", "parameters": {"mass": [1.0, 2.0]}}
 _TAPE = {"sensor": "head", "t_ns": 1, "position": [0, 1, 0], "rotation": [0, 0, 0, 1]}
+_ROW = {"method": "m", "cost_us": 1.0, "ratio": 2.0, "error": None, "unit": "N", "settings": {"steps": 2}}
+_COSTS = {"machine": {}, "reference_us": {"a group": 1.8}, "groups": {"a group": [_ROW]}}
+_GRIP = {"name": "grip", "value": 41.0, "unit": "N", "repeats": 3, "spread": 2.0}
+_HEARING = {"name": "hearing_left", "value": -40.0, "unit": "dB", "repeats": 3, "spread": 1.0}
+_FIT = {"calibration": {"measures": {"grip": _GRIP, "hearing_left": _HEARING}}, "limits": {"grip": 0.5}}
 _STUDY = {"format": "mimics study", "version": 1, "conditions": {"a": {"scene": "wavy_tunnel"}}}
 _STUDY |= {"blocks": [{"conditions": ["a"]}]}
 
@@ -157,6 +165,15 @@ def _settings(path: Path) -> None:
     read_strictly("ceiling")
 
 
+def _costs(path: Path) -> None:
+    """Read the costs measured on this machine, as from the file that is kept for it."""
+    kept, method_table.saved_file = method_table.saved_file, lambda: path
+    try:
+        method_table.Table.load_saved()
+    finally:
+        method_table.saved_file = kept
+
+
 READERS: dict[str, Reader] = {
     "scene": Reader(".json", (root() / "scenes/examples/surfaces.json").read_bytes(), examine),
     "glTF": Reader(".gltf", _text(_GLTF), load_gltf),
@@ -176,6 +193,9 @@ READERS: dict[str, Reader] = {
     "tracker tape": Reader(".jsonl", _text(_TAPE) + b"\n", lambda path: list(read_tape(path))),
     "body signals": Reader(".csv", b"t [s],ecg [mV]\n0,0.1\n0.004,0.2\n0.008,0.1\n", read_signal_file),
     "EDF": Reader(".edf", b"0       ".ljust(256), read_signal_file),
+    "measures of a person": Reader(".json", _text({"waist": 0.86, "upper_arm": 0.33}), read_measures),
+    "fit": Reader(".json", _text(_FIT), read_fit),
+    "costs of methods": Reader(".json", _text(_COSTS), _costs),
     "settings": Reader("mimics/ceiling.json", _text({"force": 20.0}), _settings),
     "machine memory": Reader(
         ".json", _text({"live": {"ms": [1.0]}}), lambda path: known_needed_ms(MachineMemory(QueueNeed, path))

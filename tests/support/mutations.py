@@ -1,7 +1,7 @@
 """Files spoiled at random: bytes, structure of JSON, numbers at their edges, types exchanged, halves of characters.
 
 A reader may take a spoiled file or refuse it by an error of `contracts.errors` that names the file. Anything else is a
-finding, kept with the seed that makes the same file again: `spoil(original, seed)`.
+finding, kept with the seed that makes the same file again: `spoil(original, seed)`. So are 2 s and 512 MB.
 """
 
 from __future__ import annotations
@@ -9,15 +9,21 @@ from __future__ import annotations
 import copy
 import json
 import random
+import re
+import signal
+import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from numba.core.errors import NumbaExperimentalFeatureWarning
 
 from mimics_app.contracts.errors import MimicsError
+from tests.support.resident import resident_mb
 
 __all__ = ["EDGES", "Survey", "as_text", "spoil_bytes", "spoil_json", "survey"]
 
@@ -67,6 +73,16 @@ def as_text(document: Any) -> bytes:
     return json.dumps(document).encode()
 
 
+MOST_S, MOST_MB = 2.0, 512.0
+"""Time on the processor for one file [s]; memory that all of them may need beside what was held before [MB]."""
+PATIENCE_S = 60.0
+"""Time on the processor after which a reader hangs [s]: a kernel that it needs may be compiled meanwhile."""
+
+
+class Hangs(BaseException):
+    """A reader takes no end; no reader may take this for an error of its file."""
+
+
 @dataclass
 class Survey:
     """What a reader made of many spoiled files.
@@ -90,20 +106,59 @@ class Survey:
 def survey(read: Callable[[int], object], seeds: range) -> Survey:
     """Call a reader once for each seed; a warning of a library on the terminal is a finding too."""
     found = Survey()
-    with warnings.catch_warnings():
+    held = _begin_peak()
+    with warnings.catch_warnings(), _patience():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)  # it is about a kernel compiled meanwhile
         for seed in seeds:
-            try:
-                read(seed)
-                found.read += 1
-            except MimicsError as error:
-                found.refused += 1
-                found.findings += [f"seed {seed}: {fault}" for fault in _faults_of_refusal(error)]
-            except Exception:  # noqa: BLE001  any other one is what is looked for
-                last = "".join(traceback.format_exc().splitlines(keepends=True)[-7:])
-                found.findings.append(f"seed {seed}: {last}")
+            if _timed(read, seed, found) > MOST_S and (seconds := _timed(read, seed, Survey())) > MOST_S:
+                found.findings.append(f"seed {seed}: took {seconds:.1f} s")
+    if (needed := _peak_mb() - held) > MOST_MB:
+        found.findings.append(f"needed {needed:.0f} MB")
     return found
+
+
+def _timed(read: Callable[[int], object], seed: int, found: Survey) -> float:
+    """Let the reader read once; return its time on the processor [s]."""
+    begun = time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, PATIENCE_S)
+    try:
+        read(seed)
+        found.read += 1
+    except MimicsError as error:
+        found.refused += 1
+        found.findings += [f"seed {seed}: {fault}" for fault in _faults_of_refusal(error)]
+    except (Exception, Hangs):  # noqa: BLE001  any other one is what is looked for
+        last = "".join(traceback.format_exc().splitlines(keepends=True)[-7:])
+        found.findings.append(f"seed {seed}: {last}")
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    return time.process_time() - begun
+
+
+@contextmanager
+def _patience() -> Iterator[None]:
+    """A reader that hangs is interrupted."""
+
+    def give_up(*_: object) -> None:
+        raise Hangs(f"no end after {PATIENCE_S:.0f} s")
+
+    before = signal.signal(signal.SIGPROF, give_up)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGPROF, before)
+
+
+def _begin_peak() -> float:
+    """Forget the most memory held so far; return what is held now [MB]."""
+    Path("/proc/self/clear_refs").write_text("5")
+    return resident_mb()
+
+
+def _peak_mb() -> float:
+    peak = re.search(r"VmHWM:\s*(\d+)", Path("/proc/self/status").read_text())
+    return int(peak[1]) / 1024 if peak else 0.0
 
 
 def _faults_of_refusal(error: MimicsError) -> Iterator[str]:

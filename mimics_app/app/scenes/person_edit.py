@@ -104,7 +104,7 @@ def read_fit(place: Path) -> Fit:
         return fit_of(calibration, FitLimits())
     try:
         given = msgspec.json.decode(read_regular(place, _LARGEST), type=FitFile)
-    except (OSError, msgspec.MsgspecError) as error:
+    except (OSError, ValueError, RecursionError, msgspec.MsgspecError) as error:
         what, fix = f"is no fit of a person: {error}", "see docs/guide/fitting.md"
         raise SceneError(Issue(str(place), "", what, fix)) from error
     return fit_of(given.calibration, given.limits)

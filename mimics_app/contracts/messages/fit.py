@@ -18,6 +18,8 @@ _Factor = Annotated[float, Meta(ge=1.0, le=2.0)]
 
 _HEADROOM_DB = 35.0
 """Level of sounds above the softest one that the better ear perceives [dB]."""
+_MOST_DB = 100.0
+"""Beyond every `FitLimits.volume`: a level in a file may be any number [dB]."""
 _RESERVE, _SMALLEST_CAPITAL = 2.0, 10.5
 """Size of text over that of the smallest letter that is read, a setting; smallest capitals of the board [px]."""
 
@@ -93,5 +95,5 @@ def _volume(calibration: Calibration, most: float) -> float:
     known = [level for level in sides if level is not None]
     if not known:
         return 1.0
-    gain: float = 10.0 ** ((min(known) + _HEADROOM_DB) / 20.0)
+    gain: float = 10.0 ** (min(min(known) + _HEADROOM_DB, _MOST_DB) / 20.0)
     return min(max(gain, 1.0), most)

@@ -16,8 +16,12 @@ from typing import Any
 
 from mimics_app.contracts.ports.methods import Settings
 from mimics_app.contracts.system import resources
+from mimics_app.contracts.system.regular_file import read_regular
 
 __all__ = ["Row", "Table", "saved_file", "shipped_file"]
+
+_MOST_BYTES = 16 << 20
+"""Largest table; a longer file is no JSON to its end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +67,7 @@ class Table:
             return None
         try:
             return cls.load(file)
-        except (OSError, ValueError, KeyError, TypeError):  # a new measurement makes a new table
+        except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):  # a new one is measured
             return None
 
     @classmethod
@@ -81,9 +85,9 @@ class Table:
 
         Raises:
             OSError: The file cannot be read.
-            ValueError, KeyError, TypeError: The file is not a table.
+            ValueError, LookupError, TypeError, AttributeError, RecursionError: The file is not a table.
         """
-        data = json.loads(file.read_text(encoding="utf-8"))
+        data = json.loads(read_regular(file, _MOST_BYTES))
         groups = {group: [_row(row) for row in rows] for group, rows in data["groups"].items()}
         return cls(groups, data["machine"], data["reference_us"])
 

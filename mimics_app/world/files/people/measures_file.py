@@ -27,7 +27,7 @@ def read_measures(file: Path) -> dict[str, float]:
     """
     try:
         given = msgspec.json.decode(read_regular(file, _LARGEST), type=dict[str, object])
-    except (OSError, RecursionError, msgspec.MsgspecError) as error:
+    except (OSError, ValueError, RecursionError, msgspec.MsgspecError) as error:
         reason = error.strerror or "it cannot be read" if isinstance(error, OSError) else str(error)
         what, fix = f"is no file of measures: {reason}", 'write a JSON object, as {"waist": 0.86, "upper_arm": 0.33}'
         raise SceneError(Issue(str(file), "", what, fix)) from error
