@@ -28,7 +28,7 @@ from mimics_app.console.clients import ASK_FIRST, VIEWS, Client, Clients
 from mimics_app.console.guard import Guard, read_body
 from mimics_app.console.handover import Lines, attach, send_line
 from mimics_app.console.participant_forms import FormRequest, answer_of_form, why_no_form
-from mimics_app.console.readiness import Choice, find_choices, find_lights, start_words
+from mimics_app.console.readiness import Choice, find_choices, find_lights, find_people, start_words
 from mimics_app.console.session_view import SessionView, compressed
 from mimics_app.console.telemetry import MIRROR, TELEMETRY, VALUES, message
 from mimics_app.console.web_server import Certificate, WebServer
@@ -77,7 +77,7 @@ _SLOW = 6
 """Passes between two looks at what changes slowly."""
 _BEAT = 60
 """Passes between two signs of life to the process that serves STOP."""
-_BEFORE = ("choices", "check", "form")
+_BEFORE = ("choices", "people", "check", "form")
 """Requests before a session; each tells of studies and their participants."""
 _MOST_CLIENTS = 16
 _NO_TICKS = message(TELEMETRY, b"")
@@ -333,9 +333,11 @@ async def _texts(request: Request) -> Response:
 
 
 async def _prepare(client: Client, ask: _Ask) -> None:
-    """Answer what can be chosen, the lights of a choice, or of a participant's forms; each takes seconds."""
+    """Answer what and who can be chosen, the lights of a choice, or of a participant's forms; each takes seconds."""
     if ask.ask == "choices":
         client.tell({"kind": "answer", "id": ask.id, "done": True, "why": "", "choices": await find_choices()})
+    elif ask.ask == "people":
+        client.tell({"kind": "answer", "id": ask.id, "done": True, "why": "", "people": await find_people()})
     elif ask.form is not None and ask.ask == "form":
         client.tell({"kind": "answer", "id": ask.id, **await answer_of_form(ask.form)})
     elif ask.choice is not None:

@@ -47,7 +47,7 @@ def why_no_form(client: Client, wanted: FormRequest | None) -> str:
 
 
 async def answer_of_form(wanted: FormRequest) -> dict[str, Any]:
-    """Return the list of the forms, a form with the last answers, or what became of new answers.
+    """Return the list of the forms, a form, or what became of answers.
 
     Keys: `done` and `why` always; of a list `forms`, titles by name, and `known`, whether the study has the code; of a
     form `form`, the object of `mimics study form --json`; of answers that are refused `faults`, by JSON pointer.

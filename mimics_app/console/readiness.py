@@ -8,7 +8,6 @@ from __future__ import annotations
 import asyncio
 import shlex
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -17,12 +16,25 @@ from msgspec import Meta
 from mimics_app.console.command_line import ask_command
 from mimics_app.contracts.system.phrases import phrase
 
-__all__ = ["Choice", "Light", "StudyName", "Word", "files_of_next", "find_choices", "find_lights", "start_words"]
+__all__ = [
+    "Choice",
+    "Light",
+    "StudyName",
+    "Word",
+    "files_of_next",
+    "find_choices",
+    "find_lights",
+    "find_people",
+    "start_words",
+]
 
 _LEAST_HOURS = 1.0
 """Hours of recording that must fit on the disk for a green light."""
 
 Word = Annotated[str, Meta(max_length=120, pattern=r"^[^\x00-\x1f]*$")]
+
+_DisplayName = Annotated[str, Meta(max_length=4200, pattern=r"^[^\x00-\x1f\ud800-\udfff]*$")]
+"""Kind of a display, with the path of its file where it has one, which a file system takes up to 4096 bytes long."""
 
 StudyName = Annotated[
     str, Meta(max_length=120, pattern=r"^([^/\\\x00-\x1f\ud800-\udfff.][^/\\\x00-\x1f\ud800-\udfff]*)?$")
@@ -50,7 +62,7 @@ class Choice(msgspec.Struct, forbid_unknown_fields=True):
     scene: Annotated[str, Meta(pattern=r"^[A-Za-z0-9_]+$", max_length=80)]
     participant: Word = ""
     device: Word = ""
-    display: Word = ""
+    display: _DisplayName = ""
     difficulty: Literal["easier", "usual", "harder"] = "usual"
     trials: Annotated[int, Meta(ge=0, le=10_000)] = 0
     physio: Word = ""
@@ -91,7 +103,7 @@ def _given(named: Mapping[str, str]) -> list[str]:
 
 
 async def find_choices() -> dict[str, Any]:
-    """Return the scenes, devices and displays of this installation, and the studies in the folder of the page."""
+    """Return the scenes, devices and displays of this installation."""
     scenes, devices = await asyncio.gather(ask_command("scenes"), ask_command("devices"))
     return {
         "scenes": [
@@ -102,9 +114,18 @@ async def find_choices() -> dict[str, Any]:
         "devices": [{"name": each["name"], "title": each.get("about", "")} for each in devices.get("devices", [])],
         "displays": [
             *({"name": each["name"], "title": each["about"]} for each in _kinds(devices) if _is_ready(each)),
-            *({"name": each["write"], "title": ""} for each in devices.get("display_files", []) if not each["error"]),
+            *({"name": each["write"], "title": ""} for each in devices.get("display_files", []) if _can_be_shown(each)),
         ],
-        "studies": sorted(filter(_can_be_chosen, (each.parent.name for each in Path().glob("*/study.json")))),
+    }
+
+
+async def find_people() -> dict[str, Any]:
+    """Return the codes of the participants of each study in the folder of the page, and those recorded in no study."""
+    found = await ask_command("study", "status")
+    studies = found.get("studies", {})
+    return {
+        "studies": {name: codes for name, codes in studies.items() if _can_be_chosen(name)},
+        "recorded": found.get("recorded", []),
     }
 
 
@@ -119,10 +140,19 @@ def _is_ready(kind: Mapping[str, Any]) -> bool:
     return not kind.get("error") and not str(kind["write"]).endswith(":FILE")
 
 
+def _can_be_shown(file: Mapping[str, Any]) -> bool:
+    """Return whether the file of a display has no error, and a `Choice` takes its path."""
+    return not file["error"] and _takes(_DisplayName, file["write"])
+
+
 def _can_be_chosen(study: str) -> bool:
     """Return whether a `Choice` takes the name of a study: it is neither hidden nor too long."""
+    return _takes(StudyName, study)
+
+
+def _takes(kind: object, text: str) -> bool:
     try:
-        msgspec.convert(study, StudyName)
+        msgspec.convert(text, kind)
     except msgspec.ValidationError:
         return False
     return True

@@ -131,9 +131,12 @@ def test_a_press_and_a_request_count_once(page: PageAddress, play: LinkedSession
 def test_an_address_for_viewing_tells_nothing_of_studies_and_their_participants(page: PageAddress) -> None:
     choice = {"scene": "wavy_tunnel", "study": "gait", "participant": "P07"}
     with open_socket(page, view=True) as client:
-        for number, asked in enumerate(({"ask": "choices"}, {"ask": "check", "choice": choice}), start=1):
+        for number, asked in enumerate(
+            ({"ask": "choices"}, {"ask": "people"}, {"ask": "check", "choice": choice}), start=1
+        ):
             answer = ask(client, number, **asked)
             assert (answer["done"], "for viewing" in answer["why"]) == (False, True), asked
+            assert not {"choices", "people", "lights"} & set(answer)
 
 
 def test_long_messages_are_refused(page: PageAddress) -> None:

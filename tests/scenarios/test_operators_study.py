@@ -13,12 +13,13 @@ from typing import Any
 import pytest
 from playwright import sync_api
 
+from mimics_app.app.study.study_folder import StudyFolder
 from tests.support.command import mimics
 from tests.support.operators_page import served
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 CODE = "007 ü"
-LONGEST_S = 120.0
+LONGEST_S = 300.0
 ITEMS = {
     "pain": {"label": "Pain <img src=x onerror=alert(1)>", "kind": "scale", "low": 0, "high": 10, "step": 1},
     "hand": {"label": "Preferred hand", "kind": "choice", "choices": ["left", "right"]},
@@ -60,7 +61,12 @@ def answer_the_form(tab: Any, study: Path) -> None:
     tab.get_by_role("button", name="Save answers").click()
     until(lambda: kept() == [{"pain": 3.0, "hand": "left", "age": 61.0}])
     tab.get_by_role("button", name="Before the session").click()
-    until(lambda: hand.is_visible() and hand.input_value() == "left" and pain.input_value() == "3")
+    tab.get_by_text("Answered before, last in session 1").wait_for()
+    assert (hand.input_value(), age.input_value(), tab.locator("#answers output").inner_text()) == (
+        "",
+        "",
+        "not answered",
+    )
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed: apt-get install chromium")
@@ -75,6 +81,8 @@ def test_the_next_run_of_a_study_is_chosen_and_begun(tmp_path: Path, monkeypatch
     made = mimics("study", "new", tmp_path / "grasp study", "--protocol", tmp_path / "protocol.json")
     assert made.returncode == 0, made.stderr
     journals = tmp_path / "grasp study"
+    mimics("study", "new", tmp_path / "other", "wavy_tunnel")
+    StudyFolder(tmp_path / "other").find_or_add("P21")
 
     def journal() -> list[dict[str, Any]]:
         return [json.loads(line) for file in journals.rglob("journal.jsonl") for line in file.read_text().splitlines()]
@@ -87,17 +95,32 @@ def test_the_next_run_of_a_study_is_chosen_and_begun(tmp_path: Path, monkeypatch
         tab.goto(address.url)
         study = tab.locator("#choose-study")
         until(lambda: "grasp study" in str(study.text_content()))
+        participant = tab.get_by_role("combobox", name="Participant")
+        listed = participant.locator("option")
+        assert listed.all_text_contents() == ["without a code", "new: enter a code", "P21"]
         assert tab.locator("#choose-interrupted").is_hidden() and tab.locator("#choose-scene").is_enabled()
         study.select_option("grasp study")
         assert tab.locator("#choose-scene").is_disabled() and tab.locator("#choose-trials").is_disabled()
-        tab.locator("#choose-participant").fill(CODE)
+        participant.focus()
+        tab.keyboard.type("new")
+        tab.keyboard.press("Tab")
+        tab.keyboard.type(f" {CODE} ")
         lights = tab.locator("#lights")
         answer_the_form(tab, journals)
+        tab.get_by_role("button", name="Close").click()
+        until(lambda: listed.all_text_contents()[2:] == [CODE, "P21"])
+        assert participant.input_value() != "new" and tab.locator("#new-participant").is_hidden()
+        participant.focus()
+        tab.keyboard.press("Home")
+        assert participant.input_value() == ""
+        tab.keyboard.type("007")
         tab.locator("#do-check").click()
         until(lambda: "study (ready): run 1 of session 1: wavy_tunnel" in str(lights.text_content()))
         tab.locator("#do-start").click()
         lines = until(lambda: found if len(found := journal()) > 1 else None)
         assert (lines[0]["run"], lines[0]["condition"], lines[1]["outcome"]) == (1, "wavy_tunnel", "done")
+        header = json.loads(next(journals.rglob("session.json")).read_text())
+        assert header["settings"]["participant"] == CODE
         tab.get_by_text("The session is over.").wait_for()
         tab.locator("#do-check").click()
         until(lambda: "study (ready): run 2 of session 1: pick_and_place" in str(lights.text_content()))

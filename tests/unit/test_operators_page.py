@@ -35,6 +35,7 @@ from mimics_app.console.readiness import (
     device_light,
     files_of_next,
     find_choices,
+    find_people,
     machine_lights,
     scene_light,
     shown_light,
@@ -187,22 +188,52 @@ def test_an_address_for_viewing_is_not_told_what_was_changed_for_the_person() ->
     assert replace(card, edit={}).shown(may_operate=False)["edit"] == {}
 
 
-def test_the_choices_have_only_studies_that_can_be_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each that is listed is a choice that the server takes, and comes to the page as JSON."""
+def test_who_can_be_chosen_is_known_to_a_study_that_can_be_chosen_or_to_a_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each that is listed is a choice that the server takes, and comes to the page as JSON; a name never does."""
 
-    async def none(*_: str) -> dict[str, Any]:
-        return {}
+    async def command(*words: str) -> dict[str, Any]:
+        return dict(json.loads(mimics(words[0], "--json", *words[1:]).stdout))
 
+    protocol = {"format": "mimics study", "version": 1, "conditions": {"a": {"scene": "wavy_tunnel"}}}
+    text = json.dumps({**protocol, "blocks": [{"conditions": ["a"]}]})
     for name in ("gait", ".hidden", "x" * 121, "a\\b", "two\nlines", "caf\u00e9 2", os.fsdecode(b"\xff")):
         (tmp_path / name).mkdir()
-        (tmp_path / name / "study.json").write_text("{}")
+        (tmp_path / name / "study.json").write_text(text)
+    (tmp_path / "damaged").mkdir()
+    (tmp_path / "damaged" / "study.json").write_text("{")
+    study = StudyFolder(tmp_path / "gait")
+    study.find_or_add("P07"), study.find_or_add("=cmd 007"), study.of_name("Jane Roe")
+    for number, code in enumerate(("P07", "P09", "", "P10", "P09")):
+        run = tmp_path / "runs" / f"2026010{number}T000000Z_0"
+        run.mkdir(parents=True)
+        (run / "session.json").write_text(json.dumps({"scene": {"name": "s"}, "settings": {"participant": code}}))
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("mimics_app.console.readiness.ask_command", none)
-    studies = asyncio.run(find_choices())["studies"]
-    assert studies == ["caf\u00e9 2", "gait"]
-    for study in studies:
-        written = msgspec.json.encode({"scene": "wavy_tunnel", "study": study, "participant": "P07"})
-        assert msgspec.json.decode(written, type=Choice).study == study
+    monkeypatch.setattr("mimics_app.console.readiness.ask_command", command)
+    people = asyncio.run(find_people())
+    studies = {"caf\u00e9 2": [], "damaged": [], "gait": ["P07", "=cmd 007", "P001"]}
+    assert people == {"studies": studies, "recorded": ["P09", "P10", "P07"]}
+    for name in studies:
+        written = msgspec.json.encode({"scene": "wavy_tunnel", "study": name, "participant": "P07"})
+        assert msgspec.json.decode(written, type=Choice).study == name
+
+
+def test_a_display_that_is_listed_can_be_chosen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its path may be as long as a path may be; one that is no text is not listed."""
+    long = f"wall:/{'d' * 200}/{'e' * 200}/wall.json"
+    no_text = os.fsdecode(b"wall:/\xff.json")
+    files = [{"write": each, "error": ""} for each in (long, "wall:/a\n.json", no_text)]
+    files.append({"write": "wall:/b.json", "error": "no wall"})
+
+    async def command(*words: str) -> dict[str, Any]:
+        return {"display_files": files if words == ("devices",) else []}
+
+    monkeypatch.setattr("mimics_app.console.readiness.ask_command", command)
+    assert [each["name"] for each in asyncio.run(find_choices())["displays"]] == [long]
+    written = msgspec.json.encode({"scene": "wavy_tunnel", "display": long})
+    assert msgspec.json.decode(written, type=Choice).display == long
+    assert parse(start_words(Choice("wavy_tunnel", display=long))).display == long
 
 
 def test_a_client_is_held_to_new_numbers_and_to_its_rate() -> None:
@@ -353,7 +384,7 @@ def test_who_operates_opens_and_answers_a_participants_form_and_nobody_else(
         new = await desk.ask(operator, form="person")
         assert "no participant" in new["why"] and study.participants == [], "it is added when that is confirmed only"
         shown = (await desk.ask(operator, form="person", add=True))["form"]
-        assert list(shown["items"]) == ["age", "hand", "side"] and shown["last"] == {}
+        assert list(shown["items"]) == ["age", "hand", "side"] and "answered" not in shown
         assert (await desk.ask(operator, participant=" P07 "))["known"]
         wrong = await desk.ask(operator, form="person", answers=right)
         assert not wrong["done"] and wrong["faults"] == {"/side": '"side" has no answer'}
@@ -361,7 +392,7 @@ def test_who_operates_opens_and_answers_a_participants_form_and_nobody_else(
         assert (await desk.ask(operator, form="person", answers=right | {"side": "none"}))["done"]
         kept = {"age": 61.5, "hand": "left", "side": "none"}
         assert [line["answers"] for line in study.answers_of(study.find("P07"))] == [kept]
-        assert (await desk.ask(operator, form="person"))["form"]["last"] == {"session": 1, "answers": kept}
+        assert (await desk.ask(operator, form="person"))["form"]["answered"] == 1
         for absent in ({"form": "persn"}, {"study": "x"}):
             assert not (await desk.ask(operator, **absent))["done"]
 

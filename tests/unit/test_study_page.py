@@ -11,6 +11,7 @@ import pytest
 from mimics_app.app.study.page import write_page
 from mimics_app.app.study.subjects import SubjectRun, find_run
 from mimics_app.app.study.tables import read_study
+from mimics_app.contracts.system.language import speaking
 from mimics_app.recording.trial_table import table_text
 
 TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"}
@@ -32,9 +33,18 @@ def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[
     rows.append({"subject": 3, "label": "a", "outcome": "aborted", "path_m": "1.0", "drift_m": "0.1"})
     write_page(tmp_path / "study.html", "walk", [], rows, {})
     page = (tmp_path / "study.html").read_text(encoding="utf-8")
-    assert re.findall("<th>(.*?)</th>", page)[: 2 + len(heads)] == ["condition", "n", *heads]
-    assert re.findall("<li>(.*?):", page) == heads
-    assert ("3.14 (0)" in page) is ("time_s" in heads)
+    shown = re.findall(r"<li>(.*?) \((\w+)\):", page)
+    assert [column for _, column in shown] == heads
+    assert re.findall("<th>(.*?)</th>", page)[: 2 + len(heads)] == ["condition", "trials", *(head for head, _ in shown)]
+    assert ("<td>3.14 s (0 s)</td>" in page) is ("time_s" in heads)
+
+
+def test_a_distance_has_its_caption_and_its_unit(tmp_path: Path) -> None:
+    rows = [{"label": "a", "outcome": "finished", "path_error_rms_m": each} for each in ("0.0120", "0.0140")]
+    with speaking("de"):
+        write_page(tmp_path / "study.html", "walk", [], rows, {})
+    page = (tmp_path / "study.html").read_text(encoding="utf-8")
+    assert "<th>Neben der Linie</th>" in page and "<td>13 mm (1,41 mm)</td>" in page and '<html lang="de">' in page
 
 
 def test_the_page_has_the_title_of_the_scene(tmp_path: Path) -> None:

@@ -22,8 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "With a verb: new FOLDER SCENE.. makes a study; run FOLDER CODE plays the next run of a participant; form "
         "FOLDER CODE FORM ITEM=VALUE .. keeps the answers to a questionnaire, and without answers shows it; next and "
-        "status FOLDER say what comes and what is done; export FOLDER --out DIR writes tables and pages; erase FOLDER "
-        "CODE removes a participant. See docs/guide/studies.md."
+        "status FOLDER say what comes and what is done, status alone lists the studies here and their participants; "
+        "export FOLDER --out DIR writes tables and pages; erase FOLDER CODE removes a participant. See "
+        "docs/guide/studies.md."
     )
     parser.add_argument(
         "scene",

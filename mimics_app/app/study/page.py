@@ -8,10 +8,12 @@ from typing import Any
 
 from mimics_app.app.study.subjects import SubjectRun
 from mimics_app.app.study.tables import Row, StudyTable, summarise_conditions
-from mimics_app.contracts.errors import counted
+from mimics_app.contracts.system.language import spoken, translated
+from mimics_app.contracts.system.phrases import counted_phrase
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.report_values import mapping
+from mimics_app.recording.result_words import mean_words, measure_caption
 from mimics_app.recording.session_header import read_session
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MEASURES
@@ -28,12 +30,17 @@ def write_page(
     measures = _measures_of(trials)
     conditions = summarise_conditions(trials, [*measures])
     finished = sum(row["n"] for row in conditions)
+    subjects = counted_phrase("{n:d} subject", "{n:d} subjects", len(runs))
+    trials_done = counted_phrase("{n:d} finished trial", "{n:d} finished trials", finished)
     page = environment.get_template("study.html.j2").render(
+        language=spoken(),
+        translated=translated,
         title=_title_of(runs) or scene,
         measures=measures,
+        captions={name: measure_caption(name, what) for name, what in measures.items()},
         conditions=conditions,
         simulated=any(run.simulated for run in runs if run.folder),
-        size=f"{counted(len(runs), 'subjects')}, {counted(finished, 'finished trials')}",
+        size=", ".join(map(translated, (subjects, trials_done))),
         tables=[(name, *table.summary) for name, table in tables.items() if table.summary[1]],
         files=["trials.csv", *(f"{name}.csv" for name, table in tables.items() if table.rows)],
         subjects=[_subject_line(run, trials, file.resolve().parent) for run in runs],
@@ -65,7 +72,8 @@ def _cell(row: Row, measure: str) -> str:
     mean, spread = row.get(measure), row.get(f"{measure}_sd")
     if mean is None:
         return ""
-    return f"{mean:.3g}" if spread is None else f"{mean:.3g} ({spread:.2g})"
+    words = mean_words(measure, mean)
+    return words if spread is None else f"{words} ({mean_words(measure, spread)})"
 
 
 def _subject_line(run: SubjectRun, trials: Sequence[Row], beside: Path) -> dict[str, Any]:

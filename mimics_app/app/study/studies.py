@@ -1,4 +1,4 @@
-"""The studies of a folder: found, made where there is none, and the newest calibration of a code in them."""
+"""The studies of a folder: found, made where there is none; codes in them, and the newest calibration of a code."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.calibration_record import newest_of
 from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
+from mimics_app.recording.history import played_by
 from mimics_app.recording.report_values import mapping
 from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import write_atomically
 from mimics_app.recording.session_header import read_session
 
-__all__ = ["USUAL_STUDY", "body_of_code", "fit_of_code", "studies_in", "usual_study"]
+__all__ = ["USUAL_STUDY", "body_of_code", "codes_in", "fit_of_code", "recorded_codes", "studies_in", "usual_study"]
 
 USUAL_STUDY = "participants"
 """Name of its folder."""
@@ -38,6 +39,20 @@ _MOST_FOLDERS = 400
 def studies_in(folder: Path) -> list[Path]:
     """Return the folders of the studies in a folder, by name."""
     return sorted(each.parent for each in folder.glob("*/study.json"))
+
+
+def codes_in(study: Path) -> list[str]:
+    """Return the codes of the participants of a study, as they were added; none of one that is damaged."""
+    try:
+        return [each.code for each in StudyFolder(study).participants]
+    except MimicsError:
+        return []
+
+
+def recorded_codes(runs: Path) -> list[str]:
+    """Return the codes of the participants of the newest run folders in a folder, the last one first."""
+    headers = (read_session(folder)[0] for folder in _newest_runs(runs))
+    return [code for code in dict.fromkeys(played_by(header)[1] for header in headers) if code]
 
 
 def usual_study(folder: Path) -> StudyFolder:
@@ -106,7 +121,7 @@ def _in_studies(code: str, folder: Path) -> Path | None:
 
 
 def _in_runs(code: str, runs: Path) -> Path | None:
-    for folder in sorted(runs.glob("*_*"), reverse=True)[:_MOST_FOLDERS]:
+    for folder in _newest_runs(runs):
         header, _ = read_session(folder)
         scene, settings = mapping(header.get("scene")), mapping(header.get("settings"))
         if scene.get("name") != CALIBRATION or settings.get("participant") != code:
@@ -114,3 +129,8 @@ def _in_runs(code: str, runs: Path) -> Path | None:
         if calibration_of(Run(folder)) is not None:
             return folder
     return None
+
+
+def _newest_runs(runs: Path) -> list[Path]:
+    """Return the newest run folders in a folder, the newest first."""
+    return sorted(runs.glob("*_*"), reverse=True)[:_MOST_FOLDERS]

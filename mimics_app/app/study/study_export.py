@@ -15,10 +15,10 @@ from mimics_app.app.study.study_folder import Participant, StudyFolder, folder_n
 from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, trials_of
 from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.app.study.tables import write_table
-from mimics_app.contracts.errors import OutputError, counted
+from mimics_app.contracts.errors import OutputError
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES
 from mimics_app.contracts.system.language import spoken, translated
-from mimics_app.contracts.system.phrases import phrase
+from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.history import local_time
@@ -75,7 +75,11 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
     if calibrated:
         write_table(folder / "calibrations.csv", [row for rows in trends.values() for row in rows], _CALIBRATED)
     pages = {each: f"participant_{folder_name(each.code)}.html" for each in study.participants}
-    _write_page(folder / "study.html", study, "", measures, effects=effects, pages=pages)
+    optional = {"answers": bool(study.protocol.forms), "calibrations": calibrated}
+    kept = [
+        f"{name}.csv" for name in ("trials", "changes", "effects", *(each for each, there in optional.items() if there))
+    ]
+    _write_page(folder / "study.html", study, "", measures, effects=effects, pages=pages, files=kept)
     for person, name in pages.items():
         own, found = changes[person], trends[person]
         _write_page(
@@ -85,10 +89,7 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
             measures,
             about=_About(own, answers[person], found, study.notes_of(person)),
         )
-    optional = {"answers": bool(study.protocol.forms), "calibrations": calibrated}
-    kept = ("trials", "changes", "effects", *(name for name, there in optional.items() if there))
-    tables = [folder / f"{name}.csv" for name in kept]
-    return [*tables, folder / "study.html", *(folder / name for name in pages.values())]
+    return [folder / name for name in (*kept, "study.html", *pages.values())]
 
 
 def write_participant_page(study: StudyFolder, person: Participant, file: Path) -> None:
@@ -168,6 +169,7 @@ def _write_page(
     effects: Sequence[Effect] = (),
     about: _About | None = None,
     pages: Mapping[Participant, str] | None = None,
+    files: Sequence[str] = (),
 ) -> None:
     forms = study.protocol.forms
     about = about or _About()
@@ -190,7 +192,8 @@ def _write_page(
         trends=_by_measure(about.calibrations),
         notes=[(local_time(str(each["utc"])), each["note"]) for each in about.notes],
         pages=[(person.code, name) for person, name in (pages or {}).items()],
-        size=counted(len(study.participants), "participants"),
+        size=translated(counted_phrase("{n:d} participant", "{n:d} participants", len(study.participants))),
+        files=files,
     )
     with private_text(file) as stream:
         stream.write(page)

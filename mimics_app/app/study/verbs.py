@@ -13,6 +13,7 @@ import msgspec
 
 from mimics_app.app.study.forms import SHIPPED_FORMS, Form, check_answers, item_words
 from mimics_app.app.study.protocol import scene_of
+from mimics_app.app.study.studies import codes_in, recorded_codes, studies_in
 from mimics_app.app.study.study_export import export_study
 from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import Next, find_next, play_next
@@ -26,6 +27,8 @@ __all__ = ["VERBS", "do_verb"]
 
 _MOST_BYTES = 1_000_000
 """Longest file of answers."""
+_RUNS = Path("runs")
+"""Where `mimics run` records."""
 _EMPTY = {
     "format": "mimics study",
     "version": 1,
@@ -40,6 +43,8 @@ _EMPTY = {
 def do_verb(args: argparse.Namespace) -> int:
     """Do a verb; return the exit code."""
     words = list(args.words)
+    if not words and str(args.scene) == "status":
+        return _list_studies(args)
     if not words:
         raise UsageError(f"mimics study {args.scene}: the folder of the study is missing")
     return VERBS[str(args.scene)](args, Path(words[0]), words[1:])
@@ -96,9 +101,9 @@ def _form(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     if args.answers is None and not given:
         with speaking(participant.language or spoken()):
             lines = [translated(form.title), *(item_words(*item) for item in form.items.items())]
-        earlier = [line for line in study.answers_of(participant) if line["form"] == name]
-        last = {key: earlier[-1][key] for key in ("session", "answers")} if earlier else {}
-        shown = {"title": form.title, "items": msgspec.to_builtins(form.items), "session": session, "last": last}
+        answered = max((line["session"] for line in study.answers_of(participant) if line["form"] == name), default=0)
+        shown = {"title": form.title, "items": msgspec.to_builtins(form.items), "session": session}
+        shown |= {"answered": answered} if answered else {}
         answer(args, {**about, **shown}, lines)
         return 0
     answers = check_answers(form, given)
@@ -187,6 +192,16 @@ def _status(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     forms = {name: form.title for name, form in study.protocol.forms.items()}
     about = {"verb": "status", "title": study.title, "participants": rows, "scenes": scenes, "forms": forms}
     answer(args, about, lines or ["no participants yet"])
+    return 0
+
+
+def _list_studies(args: argparse.Namespace) -> int:
+    """List the studies of the working folder and their participants, and who was recorded here without a study."""
+    studies = {each.name: codes_in(each) for each in studies_in(Path())}
+    recorded = recorded_codes(_RUNS)
+    about = {"verb": "status", "studies": studies, "recorded": recorded}
+    lines = [f"{name}: {', '.join(codes) or 'no participants yet'}" for name, codes in studies.items()]
+    answer(args, about, [*(lines or ["no studies here"]), *([f"recorded: {', '.join(recorded)}"] if recorded else [])])
     return 0
 
 

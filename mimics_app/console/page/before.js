@@ -1,6 +1,7 @@
 // Before a session: the choice, the lights of what it needs, the start and its override.
 
 import { Forms } from "./forms.js";
+import { People } from "./people.js";
 import { mark, t } from "./texts.js";
 import { setText, toast } from "./view.js";
 
@@ -13,16 +14,19 @@ const SIGNS = { green: "✓", amber: "!", red: "✗" };
 export class Before {
   #link;
   #forms;
+  #people;
   #lights = null;
   #asked = false;
   #may = true;
 
   constructor(link) {
     this.#link = link;
-    this.#forms = new Forms(link);
+    this.#people = new People(link);
+    this.#forms = new Forms(link, () => this.#people.ask());
     for (const value of [mark("usual"), mark("easier"), mark("harder")]) byId("choose-difficulty").append(new Option(t(value), value));
     for (const [value, text] of INTERRUPTED) byId("choose-interrupted").append(new Option(t(text), value));
-    for (const id of ["choose-study", "choose-participant"]) byId(id).addEventListener("input", () => { this.#suit(); this.#forms.close(); });
+    byId("choose-study").addEventListener("input", () => this.#people.list());
+    for (const id of ["choose-study", "choose-participant", "new-participant"]) byId(id).addEventListener("input", () => { this.#suit(); this.#forms.close(); });
     byId("do-forms").addEventListener("click", () => this.#forms.open(this.choice().study, this.choice().participant));
     byId("do-check").addEventListener("click", () => this.check());
     byId("before-form").addEventListener("submit", (event) => { event.preventDefault(); this.start(); });
@@ -35,6 +39,7 @@ export class Before {
     if (!shown) this.#forms.close();
     this.#forget();
     if (shown && !this.#asked) this.#fill();
+    if (shown) this.#people.ask();
   }
 
   /** Let only the operator choose. */
@@ -49,7 +54,7 @@ export class Before {
   #suit() {
     const chosen = byId("choose-study").value !== "";
     byId("of-study").hidden = !chosen;
-    byId("do-forms").hidden = !chosen || byId("choose-participant").value.trim() === "";
+    byId("do-forms").hidden = !chosen || this.#people.chosen === "";
     if (!chosen) byId("choose-interrupted").value = "";
     for (const id of OF_STUDY) byId(id).disabled = !this.#may || chosen;
   }
@@ -61,7 +66,6 @@ export class Before {
     if (!done) return;
     const scene = byId("choose-scene");
     scene.replaceChildren(...choices.scenes.map(({ name, title }) => new Option(t(title), name)));
-    byId("choose-study").replaceChildren(new Option(t("none"), ""), ...choices.studies.map((name) => new Option(name, name)));
     const devices = choices.devices.map(({ name, title }) => new Option(t(title || name), name));
     byId("choose-device").replaceChildren(new Option(t("usual for the scene"), ""), ...devices);
     const displays = choices.displays.map(({ name, title }) => new Option(t(title || name), name));
@@ -70,7 +74,7 @@ export class Before {
 
   choice() {
     return {
-      scene: byId("choose-scene").value, participant: byId("choose-participant").value.trim(), device: byId("choose-device").value,
+      scene: byId("choose-scene").value, participant: this.#people.chosen, device: byId("choose-device").value,
       display: byId("choose-display").value,
       study: byId("choose-study").value, interrupted: byId("choose-interrupted").value,
       difficulty: byId("choose-difficulty").value, trials: Number(byId("choose-trials").value) || 0, physio: byId("choose-physio").value.trim(),

@@ -1,4 +1,4 @@
-// Forms of a participant before a session: which a study has, their fields by schema, and what was answered.
+// Forms of a participant before a session: which a study has, their fields by schema, and the answers.
 
 import { mark, t, told } from "./texts.js";
 import { setText, toast } from "./view.js";
@@ -10,13 +10,15 @@ const TOO_LONG = mark("the answers are too long together");
 
 export class Forms {
   #link;
+  #kept; // called when answers, and with the first ones a new code, are kept
   #whose = null; // study and participant
   #add = false; // a new code, which the operator has confirmed
   #name = "";
   #fields = new Map(); // JSON pointer -> Field
 
-  constructor(link) {
+  constructor(link, kept) {
     this.#link = link;
+    this.#kept = kept;
     byId("answers").addEventListener("submit", (event) => { event.preventDefault(); this.#save(); });
     byId("close-form").addEventListener("click", () => { byId("answers").hidden = true; });
   }
@@ -83,9 +85,9 @@ export class Forms {
     this.#add = false;
     this.#name = name;
     setText(byId("answers-title"), t(form.title));
-    const { session, answers = {} } = form.last;
-    setText(byId("answers-from"), session ? t("Filled in as in session {session}; what is saved is kept beside it.", { session }) : "");
-    const fields = Object.entries(form.items).map(([item, schema], i) => new Field(i, item, schema, answers[item]));
+    const session = form.answered;
+    setText(byId("answers-from"), session ? t("Answered before, last in session {session}; what is saved is kept beside it.", { session }) : "");
+    const fields = Object.entries(form.items).map(([item, schema], i) => new Field(i, item, schema));
     this.#fields = new Map(fields.map((field) => [`/${field.name.replaceAll("~", "~0").replaceAll("/", "~1")}`, field]));
     byId("answers-items").replaceChildren(...fields.map((field) => field.node));
     byId("answers").hidden = false;
@@ -106,6 +108,7 @@ export class Forms {
     if (done) {
       toast(t("The answers are kept."));
       this.#clear();
+      this.#kept();
       return;
     }
     const faulty = Object.keys(faults).filter((pointer) => this.#fields.has(pointer));
@@ -126,17 +129,15 @@ export class Forms {
   }
 }
 
-/** One item of a form, from its number there, its schema and the answer that it had. */
+/** One item of a form, from its number there and its schema: without an answer, as an earlier one would lead. */
 class Field {
   #fault = document.createElement("small");
   #given = false;
 
-  constructor(number, name, schema, answer) {
+  constructor(number, name, schema) {
     this.name = name;
     this.input = schema.kind === "choice" ? selectOf(schema) : inputOf(schema);
     this.input.required = schema.required ?? true;
-    this.#given = answer !== undefined;
-    if (this.#given) this.input.value = String(answer);
     const label = document.createElement("label");
     const words = document.createElement("span");
     words.textContent = t(schema.label);

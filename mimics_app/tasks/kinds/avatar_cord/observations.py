@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from statistics import fmean
 from typing import Any
 
+from mimics_app.contracts.system.phrases import phrase
 from mimics_app.tasks.kinds.avatar_cord.tap_schedule import tap_of_number
 from mimics_app.tasks.kinds.kind import ObservationTable
 
@@ -16,8 +17,14 @@ _Rows = Sequence[Mapping[str, Any]]
 _MS = 1e-6
 """Milliseconds of a nanosecond."""
 _ANSWER = ("trial", "condition", "item", "scale", "value", "seconds", "t_ns")
-_HEADS = ["condition", "taps", "display after its time, mean [ms]", "error of the display, max [ms]"]
-_HEADS += ["error of the felt time, max [ms]", "felt after displayed, mean [ms]"]
+_HEADS = [
+    phrase("condition"),
+    phrase("Taps"),
+    phrase("display after its time, mean [ms]"),
+    phrase("error of the display, max [ms]"),
+    phrase("error of the felt time, max [ms]"),
+    phrase("felt after displayed, mean [ms]"),
+]
 
 
 def _taps(events: _Rows) -> list[dict[str, Any]]:
