@@ -343,8 +343,10 @@ class Recorder:
         """
         self._closed = True
         self._finalize()
-        if self._process is not None:
-            self._process.join(timeout_s)
+        deadline = self._clock.now_ns() + int(timeout_s * 1e9)
+        for process in (self._process, self._standby):  # the second writes the rest where the first did not
+            if process is not None and not self._status[StatusWord.SEALED]:
+                process.join(max(0.0, 1e-9 * (deadline - self._clock.now_ns())))
         self.kill()
 
     def kill(self) -> None:

@@ -7,6 +7,7 @@ import fcntl
 import json
 import os
 import random
+import signal
 import subprocess
 import threading
 import time
@@ -33,7 +34,7 @@ from mimics_app.recording.columns import column_names, column_units, present_col
 from mimics_app.recording.event_log import encode_event, events_of, read_lines, to_json
 from mimics_app.recording.recorder import Recorder
 from mimics_app.recording.recorder_process import _Session
-from mimics_app.recording.recorder_status import RecorderStatus
+from mimics_app.recording.recorder_status import RecorderStatus, StatusWord
 from mimics_app.recording.recover import recover
 from mimics_app.recording.replay import gather
 from mimics_app.recording.report import write_report
@@ -640,6 +641,23 @@ def test_abandoned_run_is_interrupted_and_whole(tmp_path: Path) -> None:
     run = Run.open(tmp_path)
     assert run.status == "interrupted" and len(run.haptic) == 333 and len(run.trials) == 1
     assert len(run.lines_of("app", "frame")) == 100 and run.disagreements() == []
+
+
+def test_abandoned_run_of_a_recorder_that_was_just_killed_is_whole(tmp_path: Path) -> None:
+    """The standby has taken over before anybody looked: it is not killed over its work."""
+    memory = SessionMemory()
+    recorder = Recorder(memory, tmp_path, {})
+    recorder.start()
+    recorder.keep_standby()
+    recorder.trial({"trial": 0})
+    while recorder._status[StatusWord.TRIALS] == 0:
+        time.sleep(0.01)
+    os.kill(recorder.pid or 0, signal.SIGKILL)
+    push_ticks(memory, 0, 2 * len(memory.samples) // 3)
+    recorder.abandon(60.0)
+    run = Run.open(tmp_path)
+    assert run.status == "interrupted" and len(run.haptic) == 2 * len(memory.samples) // 3
+    assert len(run.trials) == 1 and run.disagreements() == []
 
 
 def test_names_of_files_that_are_no_text_are_recorded() -> None:
