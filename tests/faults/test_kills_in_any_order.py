@@ -8,7 +8,6 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -24,6 +23,7 @@ from mimics_app.console.meeting_place import PageAddress
 from mimics_app.console.telemetry import TELEMETRY, VALUES
 from mimics_app.recording.recover import recover
 from mimics_app.recording.run import Run
+from tests.support.ends_with_parent import ending_with_parent
 from tests.support.operators_page import ROOT, answers, enter, page_server_of, served
 
 MOST_LOST_TICKS = 100
@@ -89,7 +89,7 @@ def recorder_of(folder: Path) -> int:
 def kill_in_order(page: PageAddress, runs: Path, order: tuple[str, ...], seed: int) -> None:
     words = ["run", "wavy_tunnel", "--headless", "--console", "0", "--operator-lost", "continue", "--pictures", "0"]
     words += ["--sound", "off", "--trials", "100", "--runs", str(runs)]
-    run = subprocess.Popen([sys.executable, "-m", "mimics_app", *words], cwd=ROOT, stderr=subprocess.DEVNULL)
+    run = subprocess.Popen(ending_with_parent("-m", "mimics_app", *words), cwd=ROOT, stderr=subprocess.DEVNULL)
     try:
         origin, cookie = enter(page)
         address, headers = origin.replace("http", "ws") + "/live", {"Cookie": cookie}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from importlib.resources import files
@@ -13,6 +15,7 @@ from playwright import sync_api
 
 from mimics_app.console.meeting_place import PageAddress
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.recording.run import Run
 from tests.support.operators_page import LinkedSession, served
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -106,6 +109,8 @@ def test_the_therapist_sees_who_and_what_is_played_and_no_token_in_the_address(r
     room.until(lambda: room.text("#role") == "You operate")
     assert "#" not in room.tab.url
     room.until(lambda: "trial" in room.text("#trial-state"))
+    header = json.loads((room.play.session.folder / "session.json").read_text())
+    assert (header["scene"]["title"], header["settings"]["participant"]) == ("Wavy tunnel", "007")
 
 
 @pytest.mark.parametrize("way", ["key", "button"])
@@ -243,6 +248,10 @@ def test_body_signals_are_drawn_with_peaks_and_the_state_with_its_spread(room: R
 def test_numbers_of_the_loop_are_those_of_the_recording(room: Room) -> None:
     room.until(lambda: "N" in room.text("#numbers") and "cm/s" in room.text("#numbers"))
     assert "late ticks" in room.text("#machine-numbers") and "writes" in room.text("#machine-numbers")
+    shown = re.search(r"position(.+? mm)", room.text("#numbers"))
+    room.play.play(60)
+    hand = 1000.0 * Run.open(room.play.session.folder).haptic["hip_world"]
+    assert shown and shown.group(1) in {", ".join(f"{each:.0f}" for each in place) + " mm" for place in hand}
 
 
 def test_a_visitor_views_and_gives_no_command(room: Room) -> None:
@@ -267,11 +276,14 @@ def test_a_second_operator_asks_and_the_first_hands_over(room: Room) -> None:
     assert "Hand over" in room.text("#role-ask")
     room.tab.locator("#role-ask").click()
     room.until(lambda: room.text("#role", second).startswith("You operate"))
-    before = len(room.play.commands("pause"))
-    room.acting_by = second
+    first = len(room.play.commands("mark"))
+    room.tab.locator("body").press("2")  # of the first page, which views now
+    room.until(lambda: "Refused" in room.text("#toasts"))
     second.locator("body").press("1")
-    room.until(lambda: room.play.commands("mark")[-1:])
-    assert len(room.play.commands("pause")) == before and room.tab.locator("#do-pause").is_disabled()
+    room.until(lambda: room.play.commands("mark")[first:])
+    room.play.play(20)
+    assert [line["values"] for line in room.play.commands("mark")[first:]] == [{"name": "event"}]
+    assert room.tab.locator("#do-pause").is_disabled()
     second.close()
     room.until(lambda: room.text("#role").startswith("Nobody operates"))
     room.tab.locator("#role-ask").click()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 import time
 import urllib.error
 import urllib.request
@@ -24,6 +23,7 @@ from mimics_app.app.settings import RunSettings
 from mimics_app.console.meeting_place import MeetingPlace, PageAddress
 from mimics_app.contracts.system.resources import root
 from mimics_app.rendering.visual.surfaces.headless import open_offscreen
+from tests.support.ends_with_parent import ending_with_parent
 
 __all__ = ["LinkedSession", "answers", "enter", "page_server_of", "post", "served"]
 
@@ -38,7 +38,7 @@ def served(folder: Path, at: Path = ROOT) -> Iterator[PageAddress]:
     pytest.importorskip("starlette", reason="the extra console is not installed")
     before = os.environ.get("XDG_RUNTIME_DIR")
     os.environ["XDG_RUNTIME_DIR"] = str(folder)
-    words = [sys.executable, "-m", "mimics_app", "console", "--port", "0", "--priority", "usual"]
+    words = ending_with_parent("-m", "mimics_app", "console", "--port", "0", "--priority", "usual")
     page = subprocess.Popen(words, cwd=at, env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.DEVNULL)
     try:
         until = time.monotonic() + _LONGEST_S
