@@ -257,6 +257,7 @@ def test_a_leg_in_the_orthosis_is_controlled_as_its_scene_says_and_the_rest_is_p
     assert control.taken.settings == {"controller": "lokomat_combined"}
     assert control.planner is not None and control.planner.settings == {"controller": "lokomat_impedance"}
     assert plan.settings["leg position"] == {"computed_torque": 1.0} and "leg guidance" not in plan.methods
+    assert plan.settings["leg speed"] == {"encoder": 2e-5}
     loose = plan_scene(accepting(wall, position_m=0.1), "training", table)
     assert loose.settings["leg position"] == {"computed_torque": 0.0}
     named = with_parameters(load_checked_scene(WALL), computed_torque=0)

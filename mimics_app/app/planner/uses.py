@@ -361,6 +361,7 @@ USES: Mapping[str, Use] = {
     "leg position": Use(
         "position control of a leg", _has_rigid_objects, _unless_left_open("computed_torque"), within=WHOLE_TICK
     ),
+    "leg speed": Use("speed of a leg's joints", _has_rigid_objects, _unless_left_open("encoder"), within=WHOLE_TICK),
     "leg guidance": Use(
         "guidance of a leg along its reference", _guides_legs, _unless_left_open("guidance_window"), within=WHOLE_TICK
     ),

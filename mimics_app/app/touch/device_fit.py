@@ -52,7 +52,7 @@ def device_values(plugin: DevicePlugin, scene: Scene, block: Records) -> Mapping
     return values
 
 
-_PLANNED = ("leg position", "leg guidance")
+_PLANNED = ("leg position", "leg speed", "leg guidance")
 """Groups of methods whose settings are parameters of a controller."""
 
 

@@ -48,14 +48,19 @@ ENCODER_SPEED = np.dtype(
 
 
 @kernel
-def _is_uniform(speed: EncoderSpeedRecord, newest: int, n: int, step: float) -> bool:
-    """Whether all readings since the one n ticks ago lie within a step of the line through the first and last."""
-    last, first = speed.past[newest % _RING], speed.past[(newest - n) % _RING]
-    slope = (last - first) / n
-    for k in range(1, n):
-        if abs(last - slope * k - speed.past[(newest - k) % _RING]) > _NEAR * step:
-            return False
-    return True
+def _window(speed: EncoderSpeedRecord, newest: int, step: float) -> int:
+    """Ticks since which all readings lie within a step of the line through the first and last; 1 at least.
+
+    Each reading between bounds the slope of that line, so that a reading is looked at once, whatever the window.
+    """
+    last, longest = speed.past[newest % _RING], min(newest, _WINDOW)
+    least, most = -math.inf, math.inf
+    for n in range(1, longest):
+        way = last - speed.past[(newest - n) % _RING]
+        least, most = max(least, (way - _NEAR * step) / n), min(most, (way + _NEAR * step) / n)
+        if not least <= (last - speed.past[(newest - n - 1) % _RING]) / (n + 1) <= most:
+            return n
+    return longest
 
 
 @kernel
@@ -73,9 +78,7 @@ def encoder_speed(speed: EncoderSpeedRecord, q: float, step: float, dt: float) -
     speed.count += 1
     if newest == 0:
         return 0.0
-    n, longest = 1, min(newest, _WINDOW)
-    while n < longest and _is_uniform(speed, newest, n + 1, step):
-        n += 1
+    n = _window(speed, newest, step)
     total = 0.0
     for k in range(n + 1):
         total += (0.5 * n - k) * speed.past[(newest - k) % _RING]
