@@ -62,7 +62,9 @@ def _time_is_over(outcome: str) -> str:
 
 def _moved(row: Mapping[str, object], limb: str) -> str:
     contacts, metres = round(_number(row, "contacts")), _number(row, "path_m")
-    touched = counted_phrase("{n:d} contact", "{n:d} contacts", contacts) if contacts else phrase("nothing touched")
+    if contacts == 0:
+        return phrase("the {limb} moved {metres:.1f} m", limb=limb, metres=metres)
+    touched = counted_phrase("{n:d} contact", "{n:d} contacts", contacts)
     return phrase("the {limb} moved {metres:.1f} m, {touched}", limb=limb, metres=metres, touched=touched)
 
 

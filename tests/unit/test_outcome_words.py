@@ -63,7 +63,7 @@ def test_the_task_says_what_happened():
     assert told("way") == "Goal reached in 48.0 s"
     assert told("point") == "Point reached in 48.0 s"
     assert told("time") == "Time is over: the right foot moved 1.2 m, 12 contacts"
-    assert told("time", contacts=0) == "Time is over: the right foot moved 1.2 m, nothing touched"
+    assert told("time", contacts=0) == "Time is over: the right foot moved 1.2 m"
     assert told("way", outcome="timeout") == "Time is over"
     assert told("way", outcome="timeout", acted=False) == "Time is over: the right foot did nothing"
 
