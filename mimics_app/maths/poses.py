@@ -96,6 +96,8 @@ def conjugate(rotation: F8) -> F8:
 
 
 def rotate_vector(rotation: F8, vector: F8) -> F8:
-    """Rotate a vector, shape [3], by a unit quaternion, xyzw."""
-    turn = 2.0 * np.cross(rotation[:3], vector)
-    return np.asarray(vector + rotation[3] * turn + np.cross(rotation[:3], turn))
+    """Rotate a vector, shape [3], by a unit quaternion, xyzw; in the order of operations that recordings hold."""
+    x, y, z, w = rotation.tolist()
+    a, b, c = vector.tolist()
+    i, j, k = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    return np.array([a + w * i + (y * k - z * j), b + w * j + (z * i - x * k), c + w * k + (x * j - y * i)])

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from mimics_app.maths import quat, vec
 from mimics_app.maths.decompose import decompose_trs
 from mimics_app.maths.mat import compose
+from mimics_app.maths.poses import pose_from_parts, rotate_vector
 
 SETTINGS = settings(max_examples=150)
 EPS = np.finfo(float).eps
@@ -52,6 +53,13 @@ def test_product_is_associative_and_stays_unit(a, b, c):
     left, right = product(product(a, b), c), product(a, product(b, c))
     assert np.abs(left - right).max() <= CHAIN
     assert abs(np.linalg.norm(left) - 1) <= CHAIN
+
+
+@SETTINGS
+@given(quaternions, vectors)
+def test_a_vector_is_rotated_as_by_the_matrix_of_its_pose(q, v):
+    by_matrix = pose_from_parts((0.0, 0.0, 0.0), q)[:3, :3] @ v
+    assert np.abs(rotate_vector(q, v) - by_matrix).max() <= CHAIN * 100.0
 
 
 @SETTINGS
