@@ -376,7 +376,7 @@ def test_the_cord_is_felt_where_its_surface_is() -> None:
 
 
 @pytest.mark.parametrize("late_frames", [0.6, 1.0, 2.0], ids=lambda share: f"{share} frames late")
-@pytest.mark.parametrize("rate", [60.0, 72.0, 90.0, 144.0])
+@pytest.mark.parametrize("rate", [60.0, *(pytest.param(rate, marks=pytest.mark.slow) for rate in (72.0, 90.0)), 144.0])
 def test_taps_are_displayed_at_their_time_whatever_the_display_takes(rate: float, late_frames: float) -> None:
     """A display of known rate and latency, frames begun with jitter: mean error 0 +- 0.5 ms, half a frame at most."""
     spec = AvatarCordSpec(
