@@ -134,6 +134,7 @@ docs() {
     for page in README.md CONTRIBUTING.md SECURITY.md CHANGELOG.md LICENSE CITATION.cff docs; do ln -s "$root/$page" build/pages/; done
     ln -s "$root/assets/pictures" build/pages/assets/
     ln -s "$root/.ci/docs.css" build/pages/
+    "$vpython" .ci/reference.py build/pages/reference
     NO_MKDOCS_2_WARNING=1 "$venv/bin/mkdocs" build --quiet --config-file .ci/mkdocs.yml "$@"
     printf '%s\n' "$root/build/site/index.html"
 }

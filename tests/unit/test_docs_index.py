@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 
 from tests.architecture.sources import PACKAGE, ROOT, repository_files
 
@@ -26,6 +27,31 @@ def test_every_page_stands_in_the_index_and_every_link_leads_somewhere() -> None
     assert all(target.exists() for target in linked)
     pages = {page for page in DOCS.rglob("*.md") if "decisions" not in page.parts and page.name != "index.md"}
     assert {page for page in pages if page.resolve() not in linked} == set()
+
+
+def test_every_page_stands_in_the_navigation_of_the_website() -> None:
+    navigation = (ROOT / ".ci" / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[2]
+    named = re.findall(r"^ +- .+: (\S+)$", navigation, re.MULTILINE)
+    written = {f"reference/{name}.md" for name in ("commands", "components", "columns", "python")}
+    assert {name for name in named if not (ROOT / name).exists()} == written
+    pages = {page.relative_to(ROOT).as_posix() for page in DOCS.rglob("*.md") if "decisions" not in page.parts}
+    assert pages <= set(named)
+
+
+def test_the_website_takes_every_fence_of_the_pages_for_code() -> None:
+    hook = runpy.run_path(str(ROOT / ".ci" / "fences.py"))["on_page_markdown"]
+    lines = [line for page in DOCS.rglob("*.md") for line in hook(page.read_text("utf-8")).splitlines()]
+    fences = [line.strip() for line in lines if line.lstrip().startswith("```")]
+    assert len(fences) > 100 and [fence for fence in fences if not re.fullmatch(r"```\w*", fence)] == []
+
+
+def test_the_reference_is_of_the_sources() -> None:
+    pages = {
+        name: "\n".join(write()) for name, write in runpy.run_path(str(ROOT / ".ci" / "reference.py"))["PAGES"].items()
+    }
+    assert "--headless" in pages["commands"].partition("## run\n")[2].partition("## render\n")[0]
+    assert "| `radius` | number 0 to 10 or array | `0.04` |" in pages["components"]
+    assert "| `f_user_world` | N | 3 |" in pages["columns"] and "SetParameter(" in pages["python"]
 
 
 def _absent(page: str) -> list[str]:
