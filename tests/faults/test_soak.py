@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import mimics_app as mimics
-from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, TICK_NS
+from mimics_app.contracts.clock import FRAMES_PER_SECOND, SECOND_NS, TICK_NS, TICKS_PER_SECOND
 from mimics_app.contracts.system.resources import root
 from mimics_app.recording.run import Run
 from tests.support.resident import resident_mb
@@ -20,6 +20,8 @@ from tests.support.resident import resident_mb
 SCENE = root() / "scenes" / "wavy_tunnel.json"
 MB_AN_HOUR = 1.0
 MOST_PPM = 50.0
+STALL_NS = 0.05 * SECOND_NS
+"""Lateness beyond which the loop does not catch up [ns]."""
 WARM_S = 60.0
 """Session time after which every buffer has been filled once [s]."""
 
@@ -66,8 +68,12 @@ def test_half_an_hour_by_the_wall_clock(tmp_path: Path) -> None:
     run = Run.open(next((tmp_path / "runs").iterdir()))
     lines = [line for line in run.lines_of("app", "frame") if "tick" in line]
     ticks, times = (np.array([line[name] for line in lines], float) for name in ("tick", "t_ns"))
-    slope = np.polyfit(ticks * TICK_NS / SECOND_NS, (times - times[0]) / SECOND_NS, 1)[0]
-    assert abs(slope - 1.0) * 1e6 < MOST_PPM
-    late = run.haptic["lateness_ns"] > TICK_NS
+    behind, minutes = times - ticks * TICK_NS, ticks // (60 * TICKS_PER_SECOND)
+    by_minute = np.array([np.median(behind[minutes == minute]) for minute in np.unique(minutes)])
+    assert abs(np.median(np.diff(by_minute))) / (60 * SECOND_NS) * 1e6 < MOST_PPM
+    lateness = run.haptic["lateness_ns"]
+    stalled = lateness[lateness > STALL_NS].sum()  # after such a stall the loop goes on from where it is
+    assert by_minute[-1] - by_minute[0] < stalled + MOST_PPM * 1e-6 * (times[-1] - times[0])
+    late = lateness > TICK_NS
     third = len(late) // 3
     assert late[-third:].mean() <= max(2.0 * late[:third].mean(), 1e-3)
