@@ -69,7 +69,9 @@ def _compose_stadium(seed: int) -> bytes:
     turf = writer.add_picture("turf", paint_grass(seed))
     materials["turf"] = writer.add_material("stadium_turf", texture=turf, colour=(0.62, 0.85, 0.55, 1.0))
     net = writer.add_picture("net", _paint_net())
-    materials["net"] = writer.add_material("stadium_net", texture=net, mask=0.5)
+    materials["net"] = writer.add_material(
+        "stadium_net", texture=net, blend=True
+    )  # far away a veil, and no broken lines
     for name, sketch in (
         ("turf", _turf()),
         ("boards", _boards()),

@@ -95,6 +95,7 @@ class GltfWriter:
         roughness: float = 1.0,
         metallic: float = 0.0,
         mask: float | None = None,
+        blend: bool = False,
         unlit: bool = False,
     ) -> int:
         """Add a single-sided material.
@@ -106,6 +107,7 @@ class GltfWriter:
             roughness: 0 (mirror) to 1 (matt).
             metallic: 0 (lacquer, plastic, cloth) to 1 (metal).
             mask: Opacity below which nothing is drawn; None: opaque.
+            blend: True: drawn over what is behind it by its opacity.
             unlit: True: not affected by light.
         """
         shading: dict[str, Any] = {"metallicFactor": metallic, "roughnessFactor": roughness}
@@ -116,6 +118,8 @@ class GltfWriter:
         material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": shading}
         if mask is not None:
             material |= {"alphaMode": "MASK", "alphaCutoff": mask}
+        elif blend:
+            material["alphaMode"] = "BLEND"
         if unlit:
             material["extensions"] = {self._use("KHR_materials_unlit"): {}}
         return self._add("materials", material)
