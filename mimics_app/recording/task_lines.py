@@ -10,6 +10,7 @@ import msgspec
 
 from mimics_app.contracts.commands.vocabulary import AnyCommand, Command
 from mimics_app.contracts.errors import PartialDataError
+from mimics_app.contracts.messages.head_place import HeadPlace
 from mimics_app.contracts.messages.stage_messages import TaskAction
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.run import Run
@@ -69,6 +70,7 @@ class FrameLine(msgspec.Struct):
         shown_ns: Predicted time of its display [ns]; None where no display reported it.
         period_ns: Time from one displayed frame to the next [ns].
         commands: Commands that the task received in it.
+        head: The tracked head that it saw; None: not tracked.
     """
 
     frame: int
@@ -80,6 +82,7 @@ class FrameLine(msgspec.Struct):
     shown_ns: int | None = None
     period_ns: int = 0
     commands: tuple[CommandLine, ...] = ()
+    head: HeadPlace | None = None
 
     @property
     def chosen(self) -> TaskAction | None:

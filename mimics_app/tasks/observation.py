@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.loop.haptic import EventKind, SafetyState, point_of_body
 from mimics_app.contracts.loop.loop_fields import PointSnapshot
+from mimics_app.contracts.messages.head_place import HeadPlace
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot
 from mimics_app.contracts.ports.display_port import FrameTiming
 from mimics_app.maths.length import length
@@ -109,6 +110,7 @@ class Observation(msgspec.Struct, frozen=True):
         shown_ns: Predicted time at which the frame is displayed [ns].
         period_ns: Time from one displayed frame to the next [ns].
         points: Every point of contact, in the order of the device's descriptor.
+        head: The person's tracked head; None: not tracked.
     """
 
     snapshot: HapticSnapshot
@@ -137,6 +139,7 @@ class Observation(msgspec.Struct, frozen=True):
     shown_ns: int = 0
     period_ns: int = 0
     points: tuple[PointObservation, ...] = ()
+    head: HeadPlace | None = None
 
 
 def observe(
@@ -146,6 +149,7 @@ def observe(
     bodies: Sequence[str] = (),
     pressed: tuple[str, ...] = (),
     timing: FrameTiming | None = None,
+    head: HeadPlace | None = None,
 ) -> Observation:
     """Return the observation of a frame.
 
@@ -156,6 +160,7 @@ def observe(
         bodies: Names of the haptic bodies in the order of their rows.
         pressed: Names of keys and buttons that went down since the last frame.
         timing: When the frame is displayed; None: as expected.
+        head: The person's tracked head; None: not tracked.
     """
     timing = timing or FrameTiming.expected(now_ns)
     points = tuple(_point(each, bodies) for each in snapshot.points)
@@ -187,6 +192,7 @@ def observe(
         crushed=first.crushed,
         pressed=pressed,
         points=points,
+        head=head,
     )
 
 

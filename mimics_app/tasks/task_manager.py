@@ -219,7 +219,7 @@ class TaskManager:
         timing: FrameTiming | None = None,
     ) -> TaskOrders:
         """Process one frame: `events` are the EVENT records since the last one, shape [n]; `now_ns` never decreases."""
-        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed, timing)
+        seen = observe(snapshot, events, now_ns, self._bodies, vr.pressed, timing, vr.head)
         self._steering.take(vr.commands, self.state, begun=self._seen is not None)
         if action is not None:
             self._take(action, now_ns)

@@ -185,14 +185,14 @@ def test_two_keys_are_enough(monkeypatch: pytest.MonkeyPatch, study: StudyFolder
 
 def test_the_speed_of_a_walk_is_one_axis() -> None:
     """What the hand does sideways changes nothing of it, nor of a kick."""
-    throttle = Throttle(0.1)
+    throttle = Throttle(0.1, 1.4)
     throttle.start(SimpleNamespace(hip_world=(0.0, 0.3, 0.0), grasp=0.0, pressed=()))  # type: ignore[arg-type]
     shares = []
     for aside in (-0.1, 0.0, 0.1):
-        throttle.read(SimpleNamespace(hip_world=(aside, 0.35, 0.0), grasp=0.0, pressed=()))  # type: ignore[arg-type]
-        shares.append(throttle.ahead)
+        throttle.read(SimpleNamespace(hip_world=(aside, 0.35, 0.0), grasp=0.0, pressed=()), 0.02)  # type: ignore[arg-type]
+        shares.append(throttle.speed)
         assert not throttle.kicks
-    assert len(set(shares)) == 1 and 0.0 < shares[0] < 1.0
+    assert len(set(shares)) == 1 and 0.0 < shares[0] < 1.4
 
 
 def test_the_mouse_does_what_the_keys_do(monkeypatch: pytest.MonkeyPatch, study: StudyFolder) -> None:

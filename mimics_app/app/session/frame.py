@@ -22,6 +22,7 @@ from mimics_app.contracts.clock import FRAMES_PER_SECOND, TICK_NS, TICKS_PER_SEC
 from mimics_app.contracts.errors import counted
 from mimics_app.contracts.loop.haptic import EVENT, EventKind
 from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.head_place import HeadPlace
 from mimics_app.contracts.messages.stage_messages import (
     Experience,
     HapticSnapshot,
@@ -172,7 +173,7 @@ class Frames:
             self._signals.check(now_ns)
         with stage("tasks"):
             core.steered.step(snapshot, self.orders.view, now_ns)
-            vr = replace(vr, commands=self.desk.take(snapshot))
+            vr = replace(vr, commands=self.desk.take(snapshot), head=self._head(now_ns))
             taken = self.desk.gate.take_confirmed() or self._action
             timing = self.timing or FrameTiming.expected(now_ns)
             orders = core.tasks.step(vr, taken, snapshot, events, now_ns, timing)
@@ -209,6 +210,11 @@ class Frames:
         core.trackers.poll(now_ns)
         for problem in core.trackers.take_problems():
             core.report(problem)
+
+    def _head(self, now_ns: int) -> HeadPlace | None:
+        """Return where the tracked head is, by the reports up to the previous frame; None: not tracked."""
+        found = self._core.trackers.pose("head", now_ns)
+        return None if found is None or found.stale else HeadPlace.of(found.pose)
 
     def _play(self, orders: TaskOrders, snapshot: HapticSnapshot, shown_ns: int) -> None:
         """Let the scenario move its entities, and pass on its parameters and the next action of the hand."""
@@ -253,6 +259,8 @@ class Frames:
             line["events"] = events
         if vr.pressed:
             line["pressed"] = vr.pressed
+        if vr.head is not None:
+            line["head"] = list(vr.head)
         if action is not None:
             line["action"] = {"values": dict(action.values), "at_trial": action.at_trial}
         used = self._core.parameter_store.block["objects"]

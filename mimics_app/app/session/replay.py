@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.errors import PartialDataError
 from mimics_app.contracts.loop.device_descriptor import Kinematics
+from mimics_app.contracts.messages.head_place import HeadPlace
 from mimics_app.contracts.messages.orders import Feature
 from mimics_app.contracts.messages.stage_messages import HapticSnapshot, TaskAction, TaskOrders, VRInput
 from mimics_app.contracts.messages.trial_state import TaskView
@@ -66,6 +67,7 @@ class TaskFrame:
     events: NDArray[Any]
     now_ns: int
     timing: FrameTiming | None = None
+    head: HeadPlace | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +207,7 @@ class TaskReplay:
     def step(self, frame: TaskFrame) -> TaskOrders:
         """Do the next frame, and return the orders of the task."""
         commands = _commands_of_keys(frame.pressed, self._view) if frame.commands is None else frame.commands
-        vr = VRInput(pressed=frame.pressed, commands=commands)
+        vr = VRInput(pressed=frame.pressed, commands=commands, head=frame.head)
         orders = self._manager.step(vr, frame.action, frame.snapshot, frame.events, frame.now_ns, frame.timing)
         self.again.replies.extend(orders.replies)
         self._view = orders.view
@@ -251,4 +253,5 @@ def task_frames(run: Run, lines: list[FrameLine], snapshots: Mapping[int, Haptic
         first += line.events
         commands = tuple(each.given for each in line.commands) if commanded else None
         timing = None if line.shown_ns is None else FrameTiming(line.shown_ns, line.period_ns)
-        yield TaskFrame(line.pressed, commands, line.chosen, snapshots[line.tick], events, line.t_ns, timing)
+        snapshot = snapshots[line.tick]
+        yield TaskFrame(line.pressed, commands, line.chosen, snapshot, events, line.t_ns, timing, line.head)

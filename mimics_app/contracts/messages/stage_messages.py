@@ -12,6 +12,7 @@ from mimics_app.contracts.arrays import Vec3
 from mimics_app.contracts.commands.vocabulary import Command, Reply
 from mimics_app.contracts.loop.loop_fields import HapticSnapshot
 from mimics_app.contracts.messages.board import Board
+from mimics_app.contracts.messages.head_place import HeadPlace
 from mimics_app.contracts.messages.orders import Feature, HapticOrder, VisualOrder
 from mimics_app.contracts.messages.trial_state import TaskView
 
@@ -103,12 +104,14 @@ class VRInput:
         pointer: The pointing device, or None.
         pressed: Names of keys and buttons pressed since the last frame (see contracts.messages.window_input), in order.
         commands: Commands for the task, in the order in which they were given.
+        head: The person's tracked head; None: not tracked.
     """
 
     signals: tuple[SignalBlock, ...] = ()
     pointer: PointerState | None = None
     pressed: tuple[str, ...] = ()
     commands: tuple[Command, ...] = ()
+    head: HeadPlace | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from msgspec import Meta, field, structs
 
 from mimics_app.contracts.errors import Issue
 from mimics_app.contracts.messages.board import Card, Tone
+from mimics_app.contracts.messages.leg_motion import LegMotion
 from mimics_app.contracts.messages.orders import Feature, HapticField, Numbers
 from mimics_app.contracts.messages.stage_messages import SoundTrigger
 from mimics_app.contracts.ports.scenario_port import TaskContext
@@ -19,9 +20,12 @@ from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.canyon_walk.crossing import Beam, BeamSway, Crossing
 from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.encouragement import Encouragement
+from mimics_app.tasks.walking.head_steering import check_head_tracked, head_aside
 from mimics_app.tasks.walking.hip_steering import HipSteering
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.throttle import Throttle
+from mimics_app.tasks.walking.room_steps import RoomGain
+from mimics_app.tasks.walking.throttle import WALK_IN_ROOM, Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, STANDS
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
@@ -51,16 +55,14 @@ _CREAK_PER_STEP = 0.35
 _GUST_SAID = 0.3
 """Push of a gust from which on it is said where it comes from."""
 _AGAINST = {
-    "left": (
-        phrase("A gust from the left: lean to the left"),
+    "hand": (phrase("A gust from the left: lean to the left"), phrase("A gust from the right: lean to the right")),
+    "hips": (
         phrase("A gust from the left: swing the right leg further"),
-    ),
-    "right": (
-        phrase("A gust from the right: lean to the right"),
         phrase("A gust from the right: swing the left leg further"),
     ),
+    "head": (phrase("A gust from the left: look to the left"), phrase("A gust from the right: look to the right")),
 }
-"""What to do against a gust by where it comes from: by hand, and by the hips."""
+"""What to do against a gust from the left and from the right, by what steers."""
 _GUST_FROM = 4.0
 """Distance aside from which a gust is heard [m]."""
 
@@ -87,14 +89,15 @@ class CanyonWalkSpec(Component, frozen=True):
         Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
     ] = "healthy"
     heading: Annotated[
-        Literal["path", "hips"],
+        Literal["path", "hips", "head"],
         Meta(
-            description="Where who walks in an orthosis goes: straight on, or to the side to which they turn by "
-            "swinging the other leg further."
+            description="Where who walks in an orthosis goes: straight on, to the side to which they turn by "
+            "swinging the other leg further, or, with any device, to where the tracked head looks."
         ),
     ] = "path"
     fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.3
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+    room_gain: RoomGain = None
     cues: Annotated[
         tuple[str, ...],
         Meta(
@@ -125,7 +128,9 @@ class CanyonWalkPlay(KindPlay):
     def __init__(self, spec: CanyonWalkSpec, seed: int, orthosis: OrthosisLegs | None = None) -> None:
         self._spec, self._seed, self._number = spec, seed, 0
         self._orthosis = orthosis
-        self._throttle = Throttle(spec.deflection)
+        self._throttle = Throttle(
+            spec.deflection, spec.fastest, room_gain=spec.room_gain, by_head=spec.heading == "head"
+        )
         self._beam = Beam(spec.begins, spec.begins + spec.span, spec.width)
         self._whole = SectionSpec(0.0, self._beam.ends + 5.0)
         self._section = self._whole
@@ -145,6 +150,7 @@ class CanyonWalkPlay(KindPlay):
         self._sway, self._gusts = BeamSway(), 0
         self._hips = HipSteering() if self.led and spec.heading == "hips" else None
         self._cue_s = [_CUE_S] * len(spec.cues)
+        self._encouragement = Encouragement()
 
     def start_attempt(self, seen: Observation) -> None:
         self._throttle.start(seen)
@@ -153,21 +159,21 @@ class CanyonWalkPlay(KindPlay):
         wide = settings.get("beam_width")
         if isinstance(wide, int | float):
             self._crossing.beam = widened(self._beam, float(wide))
-        begin, end = self._section.begin, self._section.end
-        return structs.replace(seen, progress=min(max((self._crossing.along - begin) / (end - begin), 0.0), 1.0))
+        return structs.replace(seen, progress=self._done)
 
     def travel(self, seen: Observation, seconds: float) -> None:
-        self._throttle.read(seen)
+        self._throttle.read(seen, seconds)
         crossing = self._crossing
         falls = crossing.falls
         if self._orthosis is None:
             throttle = self._throttle
-            feet, missed, gust = crossing.step(self._spec.fastest * throttle.ahead, throttle.aside, seconds)
+            feet, missed, gust = crossing.step(throttle.speed, throttle.aside, seconds)
         else:
             legs = self._orthosis.read(seen.q, strikes_in(seen), seconds)
-            lean = None if self._hips is None else self._hips.read(legs, seconds)
+            lean = self._lean(legs, seen, seconds)
             feet, missed, gust = crossing.step(0.0, lean, seconds, legs)
         self._seconds += seconds
+        self._encouragement.follow(self._done, seconds)
         self._trembles = max(self._trembles - 2.0 * seconds, 0.0)
         creaks = self._sway.swing(crossing.wind.strength, seconds)
         if creaks > 0.0:
@@ -190,6 +196,12 @@ class CanyonWalkPlay(KindPlay):
             self._note("fall", seen)
         while crossing.marks:
             self._note("marker", seen, name=crossing.marks.pop(0))
+
+    def _lean(self, legs: LegMotion, seen: Observation, seconds: float) -> float | None:
+        """Return the lean of who walks in an orthosis, -1 to 1 to the right; None: they are kept in their line."""
+        if self._hips is not None:
+            return self._hips.read(legs, seconds)
+        return head_aside(seen.head) if self._spec.heading == "head" else None
 
     def take_sounds(self) -> tuple[SoundTrigger, ...]:
         sounds, self._sounds = tuple(self._sounds), []
@@ -236,12 +248,13 @@ class CanyonWalkPlay(KindPlay):
         if crossing.rests:
             return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
         if self._orthosis is None and crossing.walker.speed < STANDS:
+            if self._spec.room_gain is not None:
+                return WALK_IN_ROOM
             return phrase("Raise the hand to walk, lower it to stop; move it aside to lean")
-        push = crossing.wind.push
-        if abs(push) < _GUST_SAID or (self.led and self._hips is None):
-            return ""
-        by_hand, by_hips = _AGAINST["left" if push > 0.0 else "right"]
-        return by_hips if self.led else by_hand
+        push, steers = crossing.wind.push, self._steered_by
+        if steers and abs(push) >= _GUST_SAID:
+            return _AGAINST[steers][int(push < 0.0)]
+        return self._encouragement.words
 
     @property
     def measures(self) -> Values:
@@ -277,6 +290,20 @@ class CanyonWalkPlay(KindPlay):
             "missteps": Card(phrase("Missteps"), f"{crossing.missteps}", tone=tone, width=150.0),
             "symmetry": symmetry_card(crossing.walker.footfalls),
         }
+
+    @property
+    def _steered_by(self) -> str:
+        """What leans: one of `_AGAINST`; "" for nothing, who is led in their line."""
+        heading = self._spec.heading
+        if heading == "head" or (self.led and heading == "hips"):
+            return heading
+        return "" if self.led else "hand"
+
+    @property
+    def _done(self) -> float:
+        """Share of the section that is done, 0 to 1."""
+        begin, end = self._section.begin, self._section.end
+        return min(max((self._crossing.along - begin) / (end - begin), 0.0), 1.0)
 
     def _sound(self, kind: str, seen: Observation, place: tuple[float, float, float], strength: float = 1.0) -> None:
         self._sounds.append(SoundTrigger(kind, seen.now_ns, place, strength=strength))
@@ -329,7 +356,12 @@ class CanyonWalkKind(TaskKind):
             return []
         named = {f"/task/canyon_walk/{field}": getattr(walk, field) for field in ("person", "beam")}
         named |= {f"/task/canyon_walk/cues/{number}": name for number, name in enumerate(walk.cues)}
-        return scene.check_names(named, "no entity", scene.by_id)
+        issues = scene.check_names(named, "no entity", scene.by_id)
+        if walk.heading == "head":
+            issues += check_head_tracked(scene, "/task/canyon_walk/heading")
+        elif walk.room_gain is not None:
+            issues += check_head_tracked(scene, "/task/canyon_walk/room_gain")
+        return issues
 
     def open(self, spec: TaskBlock, context: TaskContext, seed: int) -> CanyonWalkPlay:
         section = spec.find(CanyonWalkSpec)

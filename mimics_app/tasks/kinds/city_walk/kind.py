@@ -20,8 +20,11 @@ from mimics_app.tasks.deflection import DEAD_ZONE
 from mimics_app.tasks.kinds.city_walk.street_obstacles import MATERIALS, StreetObstacle, StreetObstacles
 from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.encouragement import Encouragement
+from mimics_app.tasks.walking.head_steering import check_head_tracked
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.throttle import Throttle
+from mimics_app.tasks.walking.room_steps import RoomGain
+from mimics_app.tasks.walking.throttle import WALK_IN_ROOM, Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, STANDS, Walker
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
@@ -65,6 +68,7 @@ class CityWalkSpec(Component, frozen=True):
         Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
     ] = "healthy"
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
+    room_gain: RoomGain = None
     obstacles: Annotated[
         tuple[StreetObstacle, ...],
         Meta(max_length=20, description="Obstacles on the way, felt with the foot in a gait orthosis."),
@@ -101,7 +105,7 @@ class CityWalkPlay(KindPlay):
 
     def __init__(self, spec: CityWalkSpec, metres: float, orthosis: OrthosisLegs | None = None) -> None:
         self._spec, self._metres, self._orthosis = spec, metres, orthosis
-        self._throttle = Throttle(spec.deflection)
+        self._throttle = Throttle(spec.deflection, spec.fastest, room_gain=spec.room_gain)
         self._rate = 1.0
         self.begin_attempt()
 
@@ -112,6 +116,7 @@ class CityWalkPlay(KindPlay):
         self._call, self._stopped = "", False
         self._sounds: list[SoundTrigger] = []
         self._taps = 0
+        self._encouragement = Encouragement()
 
     def start_attempt(self, seen: Observation) -> None:
         self._throttle.start(seen)
@@ -128,11 +133,11 @@ class CityWalkPlay(KindPlay):
         """Walk for a frame."""
         obstacles = self._obstacles
         if self._orthosis is None:
-            self._throttle.read(seen)
+            self._throttle.read(seen, seconds)
             tap = obstacles.meet(self._along, self._throttle.kicks, seconds)
             self._stopped = obstacles.stops(self._along)
             slows = math.sqrt(2.0 * _SLOWS * obstacles.room(self._along))
-            wanted = min(self._spec.fastest * self._throttle.ahead, slows)
+            wanted = min(self._throttle.speed, slows)
             self._walker.step(0.0 if self._stopped else wanted, 0.0, seconds)
         else:
             self._walker.step_by_legs(self._orthosis.read(seen.q, strikes_in(seen), seconds), 0.0, seconds)
@@ -142,6 +147,7 @@ class CityWalkPlay(KindPlay):
         self._speed, self._along = self._walker.speed, self._walker.walked + obstacles.led
         if not self._stopped:
             self._seconds += seconds
+            self._encouragement.follow(self._along / self._metres, seconds)
         if tap is not None:
             self._taps += 1
             material = MATERIALS[tap.obstacle.kind]
@@ -185,7 +191,13 @@ class CityWalkPlay(KindPlay):
                 what=_NAMES[ahead.kind],
             )
         stands = self._orthosis is None and not self._stopped and self._speed < STANDS
-        return "" if not stands else phrase("Raise the hand to walk, lower it to stop; aside to look about")
+        if stands and self._spec.room_gain is not None:
+            return WALK_IN_ROOM
+        return (
+            self._encouragement.words
+            if not stands
+            else phrase("Raise the hand to walk, lower it to stop; aside to look about")
+        )
 
     @property
     def measures(self) -> Values:
@@ -241,6 +253,8 @@ class CityWalkKind(TaskKind):
         if walk is None:
             return []
         issues = scene.check_entity_with(PathWalker, "/task/city_walk/person", walk.person)
+        if walk.room_gain is not None:
+            issues += check_head_tracked(scene, "/task/city_walk/room_gain")
         for number, obstacle in enumerate(walk.obstacles):
             pointer = f"/task/city_walk/obstacles/{number}"
             issues += scene.check_entity(f"{pointer}/entity", obstacle.entity)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from msgspec import Meta, structs
@@ -17,14 +17,16 @@ from mimics_app.contracts.ports.scenario_port import TaskContext
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.tasks.cards import count_card
 from mimics_app.tasks.deflection import DEAD_ZONE
-from mimics_app.tasks.kinds.kind import KindPlay, Measure, TaskBlock, TaskKind, Values
+from mimics_app.tasks.kinds.kind import Fault, KindPlay, Measure, TaskBlock, TaskKind, Values
 from mimics_app.tasks.kinds.soccer.felt_ball import FeltBall
 from mimics_app.tasks.kinds.soccer.match import PACE, Happening, Match, Pitch
 from mimics_app.tasks.kinds.soccer.mind import Mind, PlayerView, turn_to_ball
 from mimics_app.tasks.observation import Observation
+from mimics_app.tasks.walking.head_steering import check_head_tracked, head_aside
 from mimics_app.tasks.walking.hip_steering import HipSteering
 from mimics_app.tasks.walking.legs import GAITS
-from mimics_app.tasks.walking.throttle import Throttle
+from mimics_app.tasks.walking.room_steps import RoomGain
+from mimics_app.tasks.walking.throttle import WALK_IN_ROOM, Throttle
 from mimics_app.tasks.walking.walk_measures import WALK_MEASURES, WalkSection, speed_card, symmetry_card, walk_values
 from mimics_app.tasks.walking.walker import PERSON, STANDS, FigurePose
 from mimics_app.tasks.walking.worn_orthosis import OrthosisLegs, legs_in, strikes_in
@@ -100,13 +102,19 @@ _TURNS = (
     phrase("The ball is right: move the hand to the right to turn"),
     phrase("The ball is behind: move the hand aside to turn"),
 )
-_LED_TURNS = (
+_HIP_TURNS = (
     "",
     phrase("The ball is left: swing the right leg further"),
     phrase("The ball is right: swing the left leg further"),
     phrase("The ball is behind: swing one leg further"),
 )
-"""Where something is, and what to do where the ball is there, by `_side`: by hand, and by the hips."""
+_HEAD_TURNS = (
+    "",
+    phrase("The ball is left: look to the left"),
+    phrase("The ball is right: look to the right"),
+    phrase("The ball is behind: look aside"),
+)
+"""Where something is, and what to do where the ball is there, by `_side`: by hand, by the hips, by the head."""
 _AHEAD = 0.7
 """Angle from the heading within which something is ahead, or behind [rad]."""
 _MODERATE = 0.5
@@ -145,12 +153,13 @@ class SoccerSpec(Component, frozen=True):
         Literal["healthy", "hemiparetic", "severe"], Meta(description="Legs of who walks without an orthosis.")
     ] = "healthy"
     heading: Annotated[
-        Literal["path", "hips"],
+        Literal["path", "hips", "head"],
         Meta(
-            description="Where who walks in an orthosis goes: towards the ball, or to the side to which they turn by "
-            "swinging the other leg further."
+            description="Where who walks in an orthosis goes: towards the ball, to the side to which they turn by "
+            "swinging the other leg further, or, with any device, to where the tracked head looks."
         ),
     ] = "path"
+    room_gain: RoomGain = None
     fastest: Annotated[float, Meta(gt=0.0, le=2.5, description="Speed at full deflection of the hand [m/s].")] = 1.4
     kick_speed: Annotated[float, Meta(gt=0.5, le=15.0, description="Speed of the foot in a kick [m/s].")] = 7.0
     deflection: Annotated[float, Meta(gt=DEAD_ZONE, le=0.5, description="Full deflection of the hand [m].")] = 0.1
@@ -184,7 +193,9 @@ class SoccerPlay(KindPlay):
     ) -> None:
         self._orthosis, self._felt = orthosis, felt
         self._spec, self._seed, self._number, self._advises = spec, seed, 0, advises
-        self._throttle = Throttle(spec.deflection)
+        self._throttle = Throttle(
+            spec.deflection, spec.fastest, room_gain=spec.room_gain, by_head=spec.heading == "head"
+        )
         self._sounds: list[SoundTrigger] = []
         self._events: list[tuple[str, Mapping[str, object]]] = []
         self.begin_attempt()
@@ -205,6 +216,7 @@ class SoccerPlay(KindPlay):
         self._mind = Mind(_MODERATE, self._match.rng)
         self._hips = HipSteering() if self.led and spec.heading == "hips" else None
         self._seconds, self._hushed_s = 0.0, 0.0
+        self._won = False
         self._advice = Advice()
 
     def start_attempt(self, seen: Observation) -> None:
@@ -220,18 +232,13 @@ class SoccerPlay(KindPlay):
         return structs.replace(seen, progress=min(self._seconds / self._spec.match_s, 1.0))
 
     def travel(self, seen: Observation, seconds: float) -> None:
-        self._throttle.read(seen)
+        self._throttle.read(seen, seconds)
         throttle, match = self._throttle, self._match
         if self._orthosis is None:
-            ahead, turn = self._spec.fastest * throttle.ahead, -_MOST_TURN * throttle.aside
-            happened = match.step(ahead, turn, throttle.kicks, seconds)
+            happened = match.step(throttle.speed, -_MOST_TURN * throttle.aside, throttle.kicks, seconds)
         else:  # legs walk and kick
             legs = self._orthosis.read(seen.q, strikes_in(seen), seconds)
-            if self._hips is None:
-                turn = turn_to_ball(match.view_of_person())
-            else:
-                turn = -_MOST_LED_TURN * self._hips.read(legs, seconds)
-            happened = self._step_by_legs(legs, turn, seen, seconds)
+            happened = self._step_by_legs(legs, self._turn(legs, seen, seconds), seen, seconds)
         self._seconds += seconds
         for each in happened:
             self._take(each, seen)
@@ -239,6 +246,14 @@ class SoccerPlay(KindPlay):
         if self._advises:
             wanted = self._mind.decide(match.view_of_person())
             self._advice = Advice(round(wanted.speed, 3), round(wanted.turn, 3), bool(wanted.kicks))
+
+    def _turn(self, legs: LegMotion, seen: Observation, seconds: float) -> float:
+        """Return the rate of turn to the left of who walks in an orthosis [rad/s]."""
+        if self._hips is not None:
+            return -_MOST_LED_TURN * self._hips.read(legs, seconds)
+        if self._spec.heading == "head":
+            return -_MOST_LED_TURN * head_aside(seen.head)
+        return turn_to_ball(self._match.view_of_person())
 
     def take_sounds(self) -> tuple[SoundTrigger, ...]:
         sounds, self._sounds = tuple(self._sounds), []
@@ -277,13 +292,18 @@ class SoccerPlay(KindPlay):
         match = self._match
         if match.pause_s > 0.0:
             score = f"{match.goals} : {match.opponent_goals}"
-            return phrase("{score}   seen again", score=score) if match.replay_s > 0.0 else score
+            if match.replay_s > 0.0:
+                return phrase("{score}   seen again", score=score)
+            return phrase("Goal! {score}", score=score) if self._won else phrase("Never mind: {score}", score=score)
         view = match.view_of_person()
-        if self.led:
-            return "" if self._hips is None else _LED_TURNS[_side(view, view.ball)]
-        side = _TURNS[_side(view, view.ball)]
-        if side or match.person.walker.speed > STANDS:
+        by_head = self._spec.heading == "head"
+        if self.led and not by_head:
+            return "" if self._hips is None else _HIP_TURNS[_side(view, view.ball)]
+        side = (_HEAD_TURNS if by_head else _TURNS)[_side(view, view.ball)]
+        if self.led or side or match.person.walker.speed > STANDS:
             return side
+        if self._spec.room_gain is not None:
+            return WALK_IN_ROOM
         return phrase("Raise the hand to walk, aside to turn. Close it (mouse button, G or K) to kick")
 
     @property
@@ -345,6 +365,7 @@ class SoccerPlay(KindPlay):
         self._sounds.append(SoundTrigger(_SOUNDS[happening.kind], seen.now_ns, (x, y, z), strength=happening.strength))
         cheer = _CHEERS.get(happening.kind)
         if cheer is not None:
+            self._won = happening.kind == "goal"
             self._sounds.append(SoundTrigger(cheer, seen.now_ns, (x, 2.0, z)))
         if happening.kind not in ("board", "bounce"):
             self._events.append(("soccer", {"t_ns": seen.now_ns, "what": happening.kind, "x": x, "z": z}))
@@ -399,12 +420,20 @@ class SoccerKind(TaskKind):
         },
     )
 
+    def check(self, spec: TaskBlock, pointer: str) -> Iterator[Fault]:
+        yield from super().check(spec, pointer)
+        soccer = spec.find(SoccerSpec)
+        if soccer is not None and soccer.room_gain is not None and soccer.heading != "head":
+            yield f"{pointer}/soccer/heading", "does not turn who walks in a room", 'give "head"'
+
     def check_scene(self, spec: TaskBlock, scene: Scene) -> list[Issue]:
         soccer = spec.find(SoccerSpec)
         if soccer is None:
             return []
         named = {f"/task/soccer/{field}": getattr(soccer, field) for field in ("person", "ball", "opponent")}
         issues = scene.check_names({k: v for k, v in named.items() if v is not None}, "no entity", scene.by_id)
+        if soccer.heading == "head":
+            issues += check_head_tracked(scene, "/task/soccer/heading")
         if scene.device in scene.devices and soccer.felt is not None:  # it is an entity of the orthosis
             issues += scene.check_entity_with(HapticObject, "/task/soccer/felt", soccer.felt)
         return issues
