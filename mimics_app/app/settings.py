@@ -8,6 +8,7 @@ from typing import Literal
 
 __all__ = [
     "DIFFICULTIES",
+    "NOT_FITTED",
     "OPERATOR_LOST",
     "PATIENTS",
     "PICTURE_SIZE",
@@ -32,6 +33,8 @@ Difficulty = Literal["easier", "usual", "harder"]
 Side = Literal["left", "right"]
 OperatorLost = Literal["continue", "pause", "stop"]
 
+NOT_FITTED = Path("none")
+"""Value of `RunSettings.fit` for a scene as it is, whatever is kept with the participant."""
 PROFILES: tuple[Profile, ...] = ("draft", "training", "study")
 OPERATOR_LOST: tuple[OperatorLost, ...] = ("continue", "pause", "stop")
 QUALITIES: tuple[Quality, ...] = ("auto", "full")
@@ -84,7 +87,7 @@ class RunSettings:
         trials: Number of trials that count, the scene's list repeated where it is shorter; 0: as in the scene.
         participant: Code of the person, for results over time; "": none.
         language: Language of the texts that the person sees, one of `contracts.system.language.LANGUAGES`; "": English.
-        fit: Run folder of a calibration, or file of a fit, to which the task is fitted; None: as the scene has it.
+        fit: Run folder of a calibration, or file of a fit, to which the task is fitted; NOT_FITTED or None: to nothing.
         side: Side of the person that plays; "left" mirrors the scene.
         avatar: Model that is the person's own body, where the scene shows one; None: as the scene has it.
         larger_text: Whether all that is over the picture is enlarged.

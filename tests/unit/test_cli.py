@@ -350,4 +350,4 @@ def test_compiling_says_how_far_it_is(stream: io.StringIO) -> None:
     assert said.count("\n") == (0 if stream.isatty() else 19)
     assert said.count("\r") == (396 if stream.isatty() else 0)
     assert len(told) == 198, "the window that waits hears it every second"
-    assert told[0] == "Compiling, once for this version; functions done: 5"
+    assert told[0] == "Preparing, once for this version; parts done: 5"

@@ -16,6 +16,7 @@ from mimics_app.app import cli
 from mimics_app.app.scenes.fitted_scene import FITTED, fitted
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.person_edit import FitFile, PersonEdit, read_fit
+from mimics_app.app.study.studies import usual_study
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
 from mimics_app.contracts.commands.vocabulary import LOUDEST, Volume, read_command, write_command
@@ -150,6 +151,23 @@ def test_config_shows_each_number_with_its_source(tmp_path: Path, capsys: pytest
     assert {each["origin"] for each in shown} == {"calibration run_7"}
 
 
+def test_a_participant_is_fitted_unless_told_not_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    study = usual_study(tmp_path)
+    study.write_calibration(study.find_or_add("P07"), 1, calibration())
+
+    def config(*words: str) -> dict[str, list[str]]:
+        assert cli.main(["config", "wavy_tunnel", "--headless", "--participant", "P07", *words, "--json"]) == 0
+        settings = json.loads(capsys.readouterr().out)["settings"]
+        return {section: [each["origin"] for each in settings if section in (each["section"], each["name"])]
+                for section in ("fit", "fitted")}  # fmt: skip
+
+    assert config() == {"fit": ["participant P07"], "fitted": ["calibration run_7"] * 4}
+    assert config("--fit", "none") == {"fit": ["command line"], "fitted": []}
+
+
 @pytest.mark.parametrize(
     "text", ["{", '{"calibration": 3}', '{"calibration": {"measures": {}}, "limits": {"text": 9}}']
 )
@@ -186,11 +204,11 @@ def test_a_session_of_a_study_is_fitted_to_the_newest_calibration(
     study = StudyFolder.create(tmp_path / "study", protocol)
     person = study.find_or_add("P07")
     play_next(study, person, "", [])
-    assert not [word for word in asked[0] if word.startswith("--fit")]
+    assert [word for word in asked[0] if word.startswith("--fit")] == ["--fit=none"]
     for reach in (0.09, 0.10):
         study.write_calibration(person, 1, calibration(reach=reach))
     play_next(study, person, "restart", [])
-    (option,) = [word for word in asked[1] if word.startswith("--fit=")]
+    option = [word for word in asked[1] if word.startswith("--fit=")][-1]
     assert read_fit(Path(option.removeprefix("--fit="))).reaches["up"] == pytest.approx(0.08)
 
 

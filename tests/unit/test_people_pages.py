@@ -274,7 +274,7 @@ def test_a_left_sided_person_is_added_asked_calibrated_and_plays_without_a_termi
     assert person.language == "de" and study.answers_of(person)[0]["answers"]["side"] == "left"
     assert [Path(words[0]).stem for words in played] == ["calibration", "wavy_tunnel"]
     assert "--side=left" in played[1] and all("--language=de" in words for words in played)
-    assert any(word.startswith("--fit=") for word in played[1]) and study_runs.find_next(study, person).run is not None
+    assert any(word.endswith("fit.json") for word in played[1]) and study_runs.find_next(study, person).run is not None
     assert [note["note"] for note in study.notes_of(person)] == ["tired"]
     assert fit_of_code("P07", tmp_path / "runs") is not None and fit_of_code("P08", tmp_path / "runs") is None
 
@@ -311,7 +311,7 @@ def test_a_model_that_is_gone_is_told_and_the_body_of_the_scene_is_shown(
     assert "gone.glb" in pages[3].notice and "gone.glb" not in pages[4].notice
     person, cord = study.find("P7"), find_scene(Path("avatar_cord"))
     assert person.avatar == "gone.glb", "what was typed is kept: the file may come back"
-    assert words_of_settings(study, person, cord) == ["--participant=P7"]
+    assert words_of_settings(study, person, cord) == ["--participant=P7", "--fit=none"]
     assert capsys.readouterr().err.count("gone.glb") == 1
     parser = argparse.ArgumentParser()
     add_arguments(parser)

@@ -35,16 +35,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Prepare the run as `mimics run` would, print its values, and close the device without moving it."""
-    from mimics_app.app.commands.run import check_names
+    from mimics_app.app.commands.run import check_names, take_participants
 
     check_names(args)
+    stated = args.avatar, args.fit
+    take_participants(args)
+    kept = {name for name, value in zip(("avatar", "fit"), stated, strict=True) if value is None}
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     from mimics_app.app.session.effective_settings import effective_settings
     from mimics_app.app.session.preparation import prepare
 
     parts = prepare(settings, live=has_display() and not settings.headless)
     try:
-        shown = effective_settings(parts, args.meanings)
+        shown = effective_settings(parts, args.meanings, kept)
     finally:
         parts.plugin.close()
     answer(args, applicable({"settings": [asdict(setting) for setting in shown]}), _lines(shown))

@@ -83,7 +83,8 @@ def _add_person(group: Container) -> None:
         "--fit",
         type=Path,
         metavar="RUN",
-        help="fit paths, grips, text and volume to a person: run folder of their calibration, or a file of a fit",
+        help="fit paths, grips, speeds, text and volume to a person: run folder of their calibration, or a file of a "
+        "fit; none: as the scene has them (default: the newest calibration of the participant)",
     )
     group.add_argument(
         "--side",
@@ -275,7 +276,7 @@ def run(args: argparse.Namespace) -> int:
     with JourneyLog(args.journey).reporting():
         check_names(args)
         _check_screen(args)
-        args.avatar = args.avatar or _own_body(args)
+        take_participants(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
@@ -293,6 +294,24 @@ def run(args: argparse.Namespace) -> int:
     if _is_for_a_person(settings) and not args.json:
         return _play_with_pages(settings)
     return _play(settings, as_json=args.json)
+
+
+def take_participants(args: argparse.Namespace) -> None:
+    """Take what is kept with the participant where nothing is stated: the own body, and the calibration."""
+    args.avatar = args.avatar or _own_body(args)
+    args.fit = args.fit or _own_fit(args)
+
+
+def _own_fit(args: argparse.Namespace) -> Path | None:
+    """Return the newest calibration of the participant, None where there is none."""
+    if not args.participant:
+        return None
+    from mimics_app.app.study.studies import fit_of_code
+
+    found = fit_of_code(args.participant, args.runs)
+    if found is not None:
+        say(f"fitted to the calibration of {args.participant} ({found}); --fit none leaves the scene as it is")
+    return found
 
 
 def _own_body(args: argparse.Namespace) -> Path | None:

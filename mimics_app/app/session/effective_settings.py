@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, cast, get_type_hints
@@ -39,8 +39,8 @@ class EffectiveSetting:
         name: As it is written in the section.
         value: In `unit`.
         unit: "" for a number without unit, a word or a truth value.
-        origin: "default", "profile NAME", "command line", "device NAME", the ceiling of this machine, or the place in
-            a scene file as file#/json/pointer.
+        origin: "default", "profile NAME", "command line", "participant CODE", "device NAME", the ceiling of this
+            machine, or the place in a scene file as file#/json/pointer.
         meaning: Description for a person.
     """
 
@@ -52,21 +52,25 @@ class EffectiveSetting:
     meaning: str
 
 
-def effective_settings(parts: SessionParts, options: Mapping[str, str]) -> list[EffectiveSetting]:
+def effective_settings(
+    parts: SessionParts, options: Mapping[str, str], kept: Collection[str] = ()
+) -> list[EffectiveSetting]:
     """Return all values of a prepared run; the limits are read from the parameter block that the loop would get.
 
     Args:
         parts: The prepared run; its parameters are fitted to the device here.
         options: Meaning of each option of `mimics run`, by the name of its field in `RunSettings`.
+        kept: Fields of those that are as kept with the participant.
     """
-    return [*_options(parts.settings, options), *_fitted(parts), *_limits(parts), *_tolerances(parts)]
+    return [*_options(parts.settings, options, kept), *_fitted(parts), *_limits(parts), *_tolerances(parts)]
 
 
-def _options(settings: RunSettings, meanings: Mapping[str, str]) -> Iterator[EffectiveSetting]:
+def _options(settings: RunSettings, meanings: Mapping[str, str], kept: Collection[str]) -> Iterator[EffectiveSetting]:
     defaults = RunSettings(settings.scene)
     for name in (field.name for field in fields(settings) if field.name in meanings):
         value = getattr(settings, name)
-        origin = _DEFAULT if value == getattr(defaults, name) and name != "scene" else "command line"
+        stated = f"participant {settings.participant}" if name in kept else "command line"
+        origin = _DEFAULT if value == getattr(defaults, name) and name != "scene" else stated
         meaning = meanings[name]
         yield EffectiveSetting("run", name, _plain(value), _OPTION_UNITS.get(name, ""), origin, meaning)
 

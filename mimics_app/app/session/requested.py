@@ -8,7 +8,7 @@ from msgspec import structs
 
 from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.person_edit import PersonEdit, read_fit
-from mimics_app.app.settings import RunSettings
+from mimics_app.app.settings import NOT_FITTED, RunSettings
 from mimics_app.app.terminal.named import check_file
 from mimics_app.contracts.errors import Issue, SceneError
 from mimics_app.contracts.messages.fit import Fit
@@ -49,7 +49,7 @@ def read_requested(settings: RunSettings) -> Scene:
 
 def _edit(settings: RunSettings) -> PersonEdit | None:
     """Return the change of the scene for the person who plays; None: none."""
-    fit = Fit() if settings.fit is None else read_fit(settings.fit)
+    fit = Fit() if settings.fit in (None, NOT_FITTED) else read_fit(settings.fit)
     if settings.larger_text:
         fit = structs.replace(fit, text=max(fit.text, _LARGER_TEXT))
     avatar = "" if settings.avatar is None else str(_model(settings.avatar))

@@ -15,7 +15,7 @@ from mimics_app.app.scenes.loading import read_scene
 from mimics_app.app.scenes.mirrored_scene import why_not_mirrored
 from mimics_app.app.scenes.person_edit import FitFile
 from mimics_app.app.scenes.scene_search import find_scene
-from mimics_app.app.settings import SIDES, Side
+from mimics_app.app.settings import NOT_FITTED, SIDES, Side
 from mimics_app.app.study.own_bodies import own_body_of
 from mimics_app.app.study.protocol import PlannedRun, scene_of, seed_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
@@ -212,8 +212,11 @@ def _play(words: Sequence[str]) -> int:
 
 
 def words_of_settings(study: StudyFolder, participant: Participant, scene: Path) -> list[str]:
-    """Return the options of `mimics run` for a participant's code, language, side, text, contrast and own body."""
-    words = [f"--participant={participant.code}", *_sided(study, participant, scene)]
+    """Return the options of `mimics run` for a participant's code, language, side, text, contrast and own body.
+
+    The protocol says whether a run is fitted, and within which limits: so no calibration is searched by the code.
+    """
+    words = [f"--participant={participant.code}", f"--fit={NOT_FITTED}", *_sided(study, participant, scene)]
     body = own_body_of(study, participant, scene)
     if body.why_not:
         say(body.why_not)

@@ -66,7 +66,7 @@ class CompileLine:
             return
         if self._tell is not None and now_ns - self._reported_ns >= _NS:
             self._reported_ns = now_ns
-            self._tell(phrase("Compiling, once for this version; functions done: {n:d}", n=self._done))
+            self._tell(phrase("Preparing, once for this version; parts done: {n:d}", n=self._done))
         self._write(now_ns)
 
     @property
