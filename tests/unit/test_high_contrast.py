@@ -22,6 +22,7 @@ from mimics_app.rendering.visual.figures.key_page import draw_keys
 from mimics_app.rendering.visual.figures.palette import TONES, tone_colour
 from mimics_app.rendering.visual.launcher.launcher import LauncherChoice
 from mimics_app.rendering.visual.launcher.launcher_page import LauncherPage, PageState
+from mimics_app.world.components.visible import LightComponent, MeshComponent
 from tests.support.watched_hud import page_canvas
 from tests.unit.test_status_colours import CONES, LEAST_APART, STATUS, contrast, least_apart
 
@@ -128,6 +129,18 @@ def test_targets_paths_and_the_hand_stand_out_in_the_scene(name: str) -> None:
         assert all(contrast(one, ground) >= LEAST for one in found[role] for ground in found["ground"]), role
     usual = read_requested(RunSettings(root() / "scenes" / f"{name}.json"))
     assert usual.hash != scene.hash and usual.materials != scene.materials
+
+
+@pytest.mark.parametrize("name", ["tower", "city_walk", "canyon_walk", "soccer", "two_fingers"])
+def test_what_is_felt_or_named_by_the_task_stands_out_of_a_scene_without_roles(name: str) -> None:
+    file = next((root() / "scenes").rglob(f"{name}.json"))
+    scene, usual = read_requested(RunSettings(file, high_contrast=True)), read_requested(RunSettings(file))
+    drawn = {mesh.material for _, mesh, _ in scene.components(MeshComponent)} & scene.materials.keys()
+    shown_in = {each: scene.materials[each] for each in drawn if each.startswith("contrast_")}
+    assert shown_in and all(material.technique == "unlit" for material in shown_in.values())
+    (_, dim, _), (_, bright, _) = (next(iter(each.components(LightComponent))) for each in (scene, usual))
+    white = shown((dim.intensity / bright.intensity,) * 3)
+    assert all(contrast(shown(material.base_colour), white) >= 5.0 for material in shown_in.values())
 
 
 def test_a_scene_that_a_program_opens_has_it_as_that_scene_says() -> None:

@@ -104,9 +104,9 @@ def load_materials(scene: Scene, document: SceneDocument, issues: list[Issue]) -
 
 
 def edit_materials(scene: Scene, before: Mapping[str, object]) -> None:
-    """Decode again what an edit of the resolved scene changed among its materials; `before` is what they were."""
+    """Decode what an edit of the resolved scene changed or added among its materials; `before` is what they were."""
     for name, value in scene.document.get("materials", {}).items():
-        if name in scene.materials and value != before.get(name):
+        if value != before.get(name):
             scene.materials[name] = _material(name, msgspec.convert(value, MaterialSpec))
 
 
