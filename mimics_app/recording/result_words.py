@@ -19,6 +19,7 @@ from mimics_app.recording.report_values import number
 
 __all__ = [
     "finished_time",
+    "has_caption",
     "mean_time",
     "mean_words",
     "measure_caption",
@@ -68,6 +69,13 @@ _COLUMNS = (
     _Column("score", phrase("Score of 100"), ".0f"),
 )
 """Measures of a trial that the table shows where a trial has them."""
+
+_NAMED = (
+    *_COLUMNS,
+    _Column("contact_time_s", phrase("Time in contact"), ".1f", "s"),
+    _Column("smoothness", phrase("Smoothness"), ".2f"),
+)
+"""Measures that have a name for a person."""
 
 _NOT_OF_WALKS = "path_m"
 """Column that says nothing about a walk, which the hand only steers."""
@@ -165,13 +173,18 @@ def _has(row: Mapping[str, Any], column: str) -> bool:
 
 
 def measure_caption(column: str, otherwise: str) -> str:
-    """Return the caption of a measure as in the table of the trials, or, where that has none, other words."""
-    return translated(next((each.caption for each in _COLUMNS if each.name == column), otherwise))
+    """Return the caption of a measure, or, where it has none, other words."""
+    return translated(next((each.caption for each in _NAMED if each.name == column), otherwise))
+
+
+def has_caption(column: str) -> bool:
+    """Whether a measure has a name for a person."""
+    return any(each.name == column for each in _NAMED)
 
 
 def mean_words(column: str, value: float) -> str:
-    """Return a mean or a difference to three digits, in the unit of the table of the trials where that has one."""
-    known = next((each for each in _COLUMNS if each.name == column), _Column(column, "", ""))
+    """Return a mean or a difference to three digits, in the unit in which a person reads it."""
+    known = next((each for each in _NAMED if each.name == column), _Column(column, "", ""))
     return known.text(value, ".3g")
 
 

@@ -200,7 +200,7 @@ def test_the_calibrations_of_a_participant_are_kept_in_order_and_their_page_show
     table = (tmp_path / "out" / "calibrations.csv").read_text(encoding="utf-8")
     assert tmp_path / "out" / "calibrations.csv" in files and len(table.splitlines()) == 5
     page = (tmp_path / "out" / "participant_P07.html").read_text(encoding="utf-8")
-    assert "<td>reach up</td><td>m</td><td>0.12 ± 0.005 → 0.15 ± 0.005 or more</td>" in page
+    assert "<td>reach up</td><td>cm</td><td>12.0 ± 0.5 → 15.0 ± 0.5 or more</td>" in page
     assert not study.erase(person)
 
 

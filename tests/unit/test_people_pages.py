@@ -29,6 +29,7 @@ from mimics_app.app.study.people_pages import (
 )
 from mimics_app.app.study.people_screen import show_people
 from mimics_app.app.study.studies import body_of_code, fit_of_code, studies_in, usual_study
+from mimics_app.app.study.study_export import write_participant_page
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import words_of_settings
 from mimics_app.app.terminal.participant import why_no_code
@@ -246,6 +247,7 @@ def test_a_left_sided_person_is_added_asked_calibrated_and_plays_without_a_termi
         run.mkdir()
         (run / "session.json").write_text(json.dumps({"settings": {"participant": "P07"}}))
         row = {"trial": 0, "outcome": "finished", "practice": False, "score": 63.0, "time_s": 12.0}
+        row |= {"smoothness": -1.7, "path_m": 0.2}
         (run / "trials.csv").write_bytes(table_text([row]))
         lines = [{"source": "app", "kind": "state", "state": "done"}]
         if "calibration" in words[0]:
@@ -276,6 +278,10 @@ def test_a_left_sided_person_is_added_asked_calibrated_and_plays_without_a_termi
     assert "--side=left" in played[1] and all("--language=de" in words for words in played)
     assert any(word.endswith("fit.json") for word in played[1]) and study_runs.find_next(study, person).run is not None
     assert [note["note"] for note in study.notes_of(person)] == ["tired"]
+    with speaking("de"):
+        write_participant_page(study, person, tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "Welliger Tunnel" in page and "Glätte" in page and "Spectral" not in page and "Griffkraft" in page
     assert fit_of_code("P07", tmp_path / "runs") is not None and fit_of_code("P08", tmp_path / "runs") is None
 
 

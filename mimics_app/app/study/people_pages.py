@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from mimics_app.app.scenes.shipped import find_shipped
 from mimics_app.app.study.forms import Answer, Form, Item, check_answers
 from mimics_app.app.study.own_bodies import models_of, own_body_of, why_no_model
-from mimics_app.app.study.protocol import scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
-from mimics_app.app.study.study_results import trials_of
+from mimics_app.app.study.study_results import condition_scene, title_of, trials_of
 from mimics_app.app.study.study_runs import CALIBRATION, Next, find_next, side_of, why_not_sided
 from mimics_app.contracts.errors import MimicsError, UsageError, first_line
 from mimics_app.contracts.messages.calibration_record import DIRECTIONS, MEASURE_TITLES
@@ -94,7 +92,7 @@ class Person:
     @property
     def scene(self) -> Path | None:
         """Scene of what comes next; None where the study is over."""
-        return None if self.found.run is None else _scene(self.study, self.found.run.condition)
+        return None if self.found.run is None else condition_scene(self.study, self.found.run.condition)
 
 
 def list_content(studies: Sequence[Path], study: StudyFolder | None, notice: str = "") -> FormContent:
@@ -328,18 +326,6 @@ def _attempt_words(session: int, attempt: Attempt) -> str:
 
 def _session(number: int) -> str:
     return phrase("session {session:d}", session=number)
-
-
-def title_of(study: StudyFolder, condition: str) -> str:
-    """Return the title of a condition's scene, where it is a shipped one, else the name of the condition."""
-    known = find_shipped(_scene(study, condition).stem)
-    alone = sum(_scene(study, each).stem == _scene(study, condition).stem for each in study.protocol.conditions) < 2
-    return known.title if known is not None and alone else condition
-
-
-def _scene(study: StudyFolder, condition: str) -> Path:
-    known = study.protocol.conditions.get(condition)
-    return Path(condition) if known is None else scene_of(study.protocol_file, known)
 
 
 def _results(study: StudyFolder, participant: Participant) -> list[Curve]:

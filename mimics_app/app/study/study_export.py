@@ -12,7 +12,7 @@ import msgspec
 
 from mimics_app.app.study.change import Interval
 from mimics_app.app.study.study_folder import Participant, StudyFolder, folder_name
-from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, trials_of
+from mimics_app.app.study.study_results import Change, Effect, changes_of, effects_of, measures_in, title_of, trials_of
 from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.app.study.tables import write_table
 from mimics_app.contracts.errors import OutputError
@@ -22,13 +22,15 @@ from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
 from mimics_app.recording.history import local_time
-from mimics_app.recording.result_words import mean_words, measure_caption
+from mimics_app.recording.result_words import has_caption, mean_words, measure_caption
 from mimics_app.recording.run_folder import PRIVATE_FOLDER
 
 __all__ = ["export_study", "write_participant_page"]
 
 _ANSWER = ["participant", "form", "session", "time", "item", "label", "value", "utc"]
 _CALIBRATED = ["participant", "session", "time", "measure", "value", "unit", "repeats", "spread", "at_least", "utc"]
+_FEW_DIGITS = 10.0
+"""Value of a measure from which it has one digit after the point."""
 _BEGIN = ["participant", "session", "run", "attempt", "condition"]
 
 
@@ -135,10 +137,12 @@ def _by_measure(rows: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]
     """Return measure, unit, and the values over the calibrations, each with its spread."""
     found: dict[tuple[str, str], list[str]] = {}
     for row in rows:
-        text = translated(f"{row['value']:.3g} ± {0.5 * row['spread']:.2g}")
+        unit, factor = ("cm", 100.0) if row["unit"] == "m" else (str(row["unit"]), 1.0)
+        value, digits = factor * row["value"], 1 if abs(factor * row["value"]) >= _FEW_DIGITS else 2
+        text = translated(f"{value:.{digits}f} ± {0.5 * factor * row['spread']:.{digits}f}")
         text = translated(phrase("{measured:s} or more", measured=text)) if row["at_least"] else text
         title = translated(MEASURE_TITLES.get(row["measure"], row["measure"]))
-        found.setdefault((title, str(row["unit"])), []).append(text)
+        found.setdefault((title, unit), []).append(text)
     return [(measure, unit, " → ".join(values)) for (measure, unit), values in found.items()]
 
 
@@ -184,7 +188,8 @@ def _write_page(
         measures=measures,
         captions={name: measure_caption(name, what) for name, what in measures.items()},
         effects=effects,
-        changes=about.changes,
+        changes=[each for each in about.changes if has_caption(each.measure)],
+        scene_title=lambda condition: translated(title_of(study, condition)),
         answers=[
             (forms[form].title if form in forms else form, label, values)
             for form, label, values in _by_item(about.answers)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from mimics_app.app.scenes.shipped import find_shipped
 from mimics_app.app.study.change import Interval, change_of, mean_of, paired_difference
+from mimics_app.app.study.protocol import scene_of
 from mimics_app.app.study.study_folder import Attempt, Participant, StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.contracts.messages.trial_counts import FINISHED, SESSION_ENDED
@@ -15,7 +18,7 @@ from mimics_app.recording.run import Run
 from mimics_app.tasks.kinds.registry import task_kinds
 from mimics_app.tasks.task import MEASURES
 
-__all__ = ["Change", "Effect", "changes_of", "effects_of", "measures_in", "trials_of"]
+__all__ = ["Change", "Effect", "changes_of", "condition_scene", "effects_of", "measures_in", "title_of", "trials_of"]
 
 Row = dict[str, Any]
 
@@ -103,6 +106,20 @@ def changes_of(trials: Sequence[Row], measures: Sequence[str]) -> list[Change]:
                 change = change_of(samples[0], samples[-1]) if len(samples) > 1 else None
                 found.append(Change(condition, measure, [mean_of(values) for values in samples], change))
     return found
+
+
+def title_of(study: StudyFolder, condition: str) -> str:
+    """Return the title of a condition's scene, where it is a shipped one, else the name of the condition."""
+    known = find_shipped(condition_scene(study, condition).stem)
+    stem = condition_scene(study, condition).stem
+    alone = sum(condition_scene(study, each).stem == stem for each in study.protocol.conditions) < 2
+    return known.title if known is not None and alone else condition
+
+
+def condition_scene(study: StudyFolder, condition: str) -> Path:
+    """Return the scene of a condition."""
+    known = study.protocol.conditions.get(condition)
+    return Path(condition) if known is None else scene_of(study.protocol_file, known)
 
 
 def _by_run(rows: Sequence[Row], condition: str, measure: str) -> list[list[float]]:
