@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from mimics_app.contracts.errors import DeviceError
 from mimics_app.contracts.loop.loop_ports import (
@@ -86,6 +87,54 @@ def test_backlash_lets_the_rod_loose_and_carries_force_beyond():
     assert linear_drive.rod_force(drive, 0.51e-3, 0.0) == pytest.approx(1e-5 * drive[linear_drive.ROD_STIFFNESS])
     assert linear_drive.rod_force(drive, -0.51e-3, 0.0) == pytest.approx(-1e-5 * drive[linear_drive.ROD_STIFFNESS])
     assert linear_drive.rod_force(drive, 0.51e-3, -10.0) == 0.0, "a gap that opens does not pull"
+
+
+def _knock_of_the_drive(push: float) -> float:
+    """Greatest force [N] in the rod of a spindle that a constant force pushes through its play to a held linkage."""
+    drive, dt, held = drive_of(plant_of(), 0, 0), 5e-6, 0.3
+    drive[linear_drive.BRAKED] = 0.0
+    drive[linear_drive.ANCHOR] = eta = held - 0.5 * drive[linear_drive.BACKLASH]
+    speed = most = 0.0
+    for _ in range(14_000):
+        rod = linear_drive.rod_force(drive, eta - held, speed)
+        speed += dt * (push - linear_drive.drive_friction(drive, eta, speed) - rod) / drive[linear_drive.MASS]
+        eta += dt * speed
+        linear_drive.drag_anchor(drive, eta, speed)
+        most = max(most, rod)
+    return most
+
+
+def _knock_by_solve_ivp(push: float) -> float:
+    """The same of a mass on a spring that begins after the play, with its own Stribeck curve, until it turns."""
+    drive = drive_of(plant_of(), 0, 0)
+    mass, static, sliding, viscous, bristle, bristle_damping, stiff, damping, play = (
+        drive[getattr(linear_drive, name)]
+        for name in ("MASS", "STATIC", "COULOMB", "VISCOUS", "BRISTLE_STIFFNESS", "BRISTLE_DAMPING", "ROD_STIFFNESS",
+                     "ROD_DAMPING", "BACKLASH")
+    )  # fmt: skip
+
+    def rod(x: float, v: float) -> float:
+        return max(0.0, stiff * (x - play) + damping * v) if x > play else 0.0
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        x, v = y
+        level = sliding + (static - sliding) / (1.0 + (v / 5e-3) ** 2)
+        return [v, (push - min(level, bristle * x + bristle_damping * v) - viscous * v - rod(x, v)) / mass]
+
+    def turns(t: float, y: np.ndarray) -> float:
+        return float(y[1]) if t > 1e-4 else 1.0
+
+    turns.terminal, turns.direction = True, -1.0
+    found = solve_ivp(rate, (0.0, 0.07), [0.0, 0.0], max_step=2e-5, rtol=1e-8, atol=1e-12, events=turns)
+    return max(rod(x, v) for x, v in found.y.T)
+
+
+@pytest.mark.parametrize("push", [62.0, 80.0])
+def test_a_spindle_that_breaks_loose_in_its_play_knocks_as_its_friction_and_spring_say(push: float) -> None:
+    """Just broken loose it stays below the bound of a friction that falls at once to the sliding one."""
+    knock = _knock_of_the_drive(push)
+    assert knock == pytest.approx(_knock_by_solve_ivp(push), rel=0.05)
+    assert (knock < math.sqrt(2.0 * (60.0 - 45.0) * 5e-5 * 3e7)) is (push < 70.0)
 
 
 def test_the_rod_sensor_shows_the_weight_of_a_held_leg():

@@ -258,10 +258,10 @@ def _keep_near(settings: LegSettingsRecord, now: LegInputRecord, state: LegState
 #
 # The position control scales its torques with the mass of the leg, but what moves in the play is the spindle alone: a
 # twentieth of it, which no sensor sees. One that breaks loose there is driven by what static friction exceeds sliding
-# friction, and hits the other flank with sqrt(2 (F_s - F_c) play k), k the stiffness of the rod: 210 N and 18 N m at
-# the hip of this machine, again and again. So the motor only carries the sliding friction of an unloaded drive, which
-# stays where it is, or slides on, until the leg itself comes to a flank; and more where the leg is farther from its
-# place than the play explains.
+# friction, and hits the other flank with up to sqrt(2 (F_s - F_c) play k), k the stiffness of the rod: 210 N; 130 N
+# and 11 N m at the hip with the Stribeck curve of this machine, again and again. So the motor only carries the sliding
+# friction of an unloaded drive, which stays where it is, or slides on, until the leg itself comes to a flank; and more
+# where the leg is farther from its place than the play explains.
 
 _UNLOADED = 6.0
 """Force of a rod without load, beyond the noise of its sensor [N]."""
