@@ -1,4 +1,4 @@
-"""The three rooms of the examples with their tables, a hall, surfaces to stroke, a spring, a magnet, an arrow."""
+"""The five rooms of the examples with their tables, a hall, surfaces to stroke, a spring, a magnet, an arrow."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from assets.builders.kit.sketch import Point, Sketch
 from assets.builders.market.sculpt import pack_model
-from assets.builders.room import force_models, furnished, textures
+from assets.builders.room import force_models, furnished, furnished_home, textures
 from mimics_app.world.files.gltf.writer import GltfWriter
 
 __all__ = ["compose"]
@@ -28,8 +28,8 @@ _COLOURS = {
     "rail": (0.72, 0.70, 0.64, 1.0),
 }
 """Colours of surfaces without a texture: on software renderers a texture of the walls costs a tenth of the frame."""
-_BENCH, _PALE = (0.50, 0.36, 0.26, 1.0), (0.60, 0.56, 0.49, 1.0)
-"""Colours of the workshop's table, on its texture, and of the conservatory's."""
+_BENCH, _PALE, _BIRCH = (0.50, 0.36, 0.26, 1.0), (0.60, 0.56, 0.49, 1.0), (1.0, 0.98, 0.92, 1.0)
+"""Colours of the workshop's table, on its texture, of the conservatory's, and of the playroom's, on its texture."""
 _BOARD, _GROOVE = 0.14, 0.006
 """Width of a panel's board, and of the groove beside it [m]."""
 
@@ -47,6 +47,7 @@ def compose(seed: int) -> dict[str, bytes]:
         "ripples.png": textures.paint_ripples(seed),
         "cushion.png": textures.paint_cushion(seed),
         "oak.png": textures.paint_oak(seed),
+        "grain.png": textures.paint_grain(seed),
         "spring.glb": pack_model(
             "spring", {"coil": (force_models.spring(), 0.35), "foot": (force_models.spring_foot(), 0.5)}
         ),
@@ -59,8 +60,9 @@ def compose(seed: int) -> dict[str, bytes]:
 
 
 def _room(seed: int) -> bytes:
-    """Nodes `room`, `workshop`, `conservatory`, a table for each; `waiting_room` and `hall`, whose floor is y = 0.
+    """Rooms as nodes `room`, `workshop`, `conservatory`, `kitchen`, `playroom`, and their tables.
 
+    The floor of `waiting_room` and `hall` is y = 0.
     Walls and the rooms' floors receive no shadows: their light is baked into vertex colours, which halves the frame.
     The table and the hall's floor are lit, and matt.
     """
@@ -72,17 +74,22 @@ def _room(seed: int) -> bytes:
         "boards": writer.add_material("room_boards", texture=pictures["boards"], unlit=True),
     }
     materials["bench"] = writer.add_material("room_bench", texture=pictures["oak"], colour=_BENCH, roughness=0.8)
+    materials["birch"] = writer.add_material("room_birch", texture=pictures["oak"], colour=_BIRCH, roughness=0.7)
     materials["pale"] = writer.add_material("room_pale", colour=_PALE, roughness=0.6)
     for name, colour in (_COLOURS | furnished.COLOURS).items():
         materials[name] = writer.add_material(f"room_{name}", colour=colour, unlit=True)
     study, workshop, conservatory, waiting = _walls(_FLOOR), Sketch(), Sketch(), Sketch()
+    kitchen, playroom = Sketch(), Sketch()
     furnished.waiting_room(waiting, seed)
     furnished.study(study, seed)
     furnished.workshop(workshop, seed)
     furnished.conservatory(conservatory, seed)
+    furnished_home.kitchen(kitchen, seed)
+    furnished_home.playroom(playroom, seed)
     sketches = {
         "room": study, "table": _table("oak"), "hall": _walls(0.0, 3.6, ground="stage"), "workshop": workshop,
         "bench": _table("bench"), "conservatory": conservatory, "pale_table": _table("pale"), "waiting_room": waiting,
+        "kitchen": kitchen, "playroom": playroom, "play_table": _table("birch"),
     }  # fmt: skip
     for name, sketch in sketches.items():
         parts = [(writer.add_part(part), materials[material]) for material, part in sketch.parts().items()]

@@ -10,7 +10,20 @@ import numpy as np
 
 from assets.builders.kit.sketch import Point, Sketch
 
-__all__ = ["COLOURS", "FLOOR", "conservatory", "study", "waiting_room", "workshop"]
+__all__ = [
+    "COLOURS",
+    "FLOOR",
+    "conservatory",
+    "curtain",
+    "disc",
+    "drum",
+    "plant",
+    "study",
+    "waiting_room",
+    "walls",
+    "window",
+    "workshop",
+]
 
 FLOOR = -0.74
 """Height of the floor below the table [m]."""
@@ -40,6 +53,9 @@ COLOURS = {
     "slate": (0.30, 0.35, 0.40, 1.0),
     "concrete": (0.33, 0.33, 0.33, 1.0),
     "peg": (0.46, 0.30, 0.15, 1.0),
+    "powder": (0.46, 0.58, 0.68, 1.0),
+    "rose": (0.66, 0.36, 0.32, 1.0),
+    "honey": (0.78, 0.56, 0.22, 1.0),
     "steel": (0.44, 0.47, 0.50, 1.0),
     "iron": (0.10, 0.11, 0.12, 1.0),
     "safety": (0.78, 0.34, 0.03, 1.0),
@@ -53,17 +69,17 @@ def study(sketch: Sketch, seed: int) -> None:
     _sideboard(sketch, -1.62, -0.30)
     _books(sketch, rng, -1.56, -0.98, 0.012)
     _lamp(sketch, (-0.48, 0.012, -1.66))
-    _drum(sketch, "clay", (-0.80, 0.012, -1.66), 0.14, (0.05, 0.075))
-    _plant(sketch, rng, (-0.80, 0.14, -1.66), 14, 0.20)
-    _window(sketch, (0.28, -0.12), (1.36, 1.5), (3, 2), rng)
+    drum(sketch, "clay", (-0.80, 0.012, -1.66), 0.14, (0.05, 0.075))
+    plant(sketch, rng, (-0.80, 0.14, -1.66), 14, 0.20)
+    window(sketch, (0.28, -0.12), (1.36, 1.5), (3, 2), rng)
     for left in (0.02, 1.40):
-        _curtain(sketch, left, left + 0.24)
+        curtain(sketch, left, left + 0.24)
 
 
 def workshop(sketch: Sketch, seed: int) -> None:
     """Add walls of slate blue, a board with tools, and a bench with drawers and tins."""
     rng = np.random.default_rng(seed)
-    _walls(sketch, "slate", "slate", "concrete")
+    walls(sketch, "slate", "slate", "concrete")
     sketch.box("peg", (-1.35, 0.02, -1.895), (1.20, 0.85, -1.865), hidden="n")
     for row in range(7):
         for column in range(26):
@@ -80,15 +96,15 @@ def workshop(sketch: Sketch, seed: int) -> None:
     tins = ((-1.5, "red"), (-1.36, "navy"), (-1.24, "cream"), (1.25, "safety"), (1.40, "steel"), (1.55, "leaf"))
     for x, colour in tins:
         high = 0.12 + 0.05 * float(rng.random())
-        _drum(sketch, colour, (x, -0.14, -1.62), high, (0.055, 0.055))
-        _drum(sketch, "steel", (x, -0.14 + high, -1.62), 0.008, (0.057, 0.057))
+        drum(sketch, colour, (x, -0.14, -1.62), high, (0.055, 0.055))
+        drum(sketch, "steel", (x, -0.14 + high, -1.62), 0.008, (0.057, 0.057))
     _vice(sketch)
 
 
 def conservatory(sketch: Sketch, seed: int) -> None:
     """Add a wall of windows to a garden, tiles, and plants in pots."""
     rng = np.random.default_rng(seed)
-    _walls(sketch, "white", "white", "tile", back=False)
+    walls(sketch, "white", "white", "tile", back=False)
     _garden(sketch, rng)
     sketch.box("white", (-_SIDE, FLOOR, -1.93), (_SIDE, -0.22, -1.87), shade=0.92)
     sketch.box("white", (-_SIDE, -0.22, -1.95), (_SIDE, -0.18, -1.80))
@@ -100,9 +116,9 @@ def conservatory(sketch: Sketch, seed: int) -> None:
         sketch.box("slate", (-2.4, FLOOR, line), (2.4, FLOOR + 0.002, line + 0.008), hidden="nsewd")
     for x, z, size in ((-1.45, -1.55, 1.0), (-1.12, -1.60, 0.7), (1.30, -1.52, 1.15), (0.95, -1.66, 0.6)):
         top = -0.52 + 0.30 * size
-        _drum(sketch, "clay", (x, FLOOR, z), top - FLOOR, (0.13 * size, 0.18 * size))
-        _drum(sketch, "clay", (x, top - 0.04, z), 0.05, (0.195 * size, 0.195 * size))
-        _plant(sketch, rng, (x, top, z), 34, 0.48 * size)
+        drum(sketch, "clay", (x, FLOOR, z), top - FLOOR, (0.13 * size, 0.18 * size))
+        drum(sketch, "clay", (x, top - 0.04, z), 0.05, (0.195 * size, 0.195 * size))
+        plant(sketch, rng, (x, top, z), 34, 0.48 * size)
 
 
 def waiting_room(sketch: Sketch, seed: int) -> None:
@@ -115,27 +131,27 @@ def waiting_room(sketch: Sketch, seed: int) -> None:
         edge = 1.0 - 0.26 * math.exp(-near / 0.5) - 0.22 * math.exp(-max(point[1], 0.0) / 0.2)
         return edge - 0.14 * math.exp(-max(high - point[1], 0.0) / 0.4)
 
-    walls = (
+    sides = (
         ((-half, 0.0, back), (2 * half, 0.0, 0.0)),
         ((-half, 0.0, 3.4), (0.0, 0.0, back - 3.4)),
         ((half, 0.0, back), (0.0, 0.0, 3.4 - back)),
         ((half, 0.0, 3.4), (-2 * half, 0.0, 0.0)),
     )
-    for start, along in walls:
+    for start, along in sides:
         sketch.sheet("plaster", start, along, (0.0, high, 0.0), (14, 10), 1.0, corner)
     sketch.sheet("white", (-half, high, back), (2 * half, 0, 0), (0, 0, 3.4 - back), (6, 6), 1.0, lambda p: 0.96)
     for low, top, deep, colour in ((0.0, 0.12, 0.03, "white"), (0.92, 1.0, 0.03, "sage")):
         sketch.box(colour, (-half, low, back), (half, top, back + deep), hidden="n")
         sketch.box(colour, (-half, low, back), (-half + deep, top, 3.4), hidden="w", shade=0.9)
         sketch.box(colour, (half - deep, low, back), (half, top, 3.4), hidden="e", shade=0.9)
-    _place(sketch, lambda part: _window(part, (-0.62, 1.04), (0.62, 2.1), (2, 2), rng), (-1.75, 0.0, back + 1.9))
+    _place(sketch, lambda part: window(part, (-0.62, 1.04), (0.62, 2.1), (2, 2), rng), (-1.75, 0.0, back + 1.9))
     _place(sketch, _door, (2.25, 0.0, back))
     for number in range(4):
         _place(sketch, _chair, (-2.62 + 0.68 * number, 0.0, back + 0.42))
     _place(sketch, _chair, (1.15, 0.0, back + 0.42))
     _place(sketch, _frame, (0.62, 1.62, back))
-    _drum(sketch, "clay", (0.55, 0.0, back + 0.40), 0.42, (0.15, 0.20))
-    _plant(sketch, rng, (0.55, 0.42, back + 0.40), 34, 0.62)
+    drum(sketch, "clay", (0.55, 0.0, back + 0.40), 0.42, (0.15, 0.20))
+    plant(sketch, rng, (0.55, 0.42, back + 0.40), 34, 0.62)
     _magazines(sketch, rng, (-1.6, 0.0, back + 1.25))
 
 
@@ -185,7 +201,9 @@ def _magazines(sketch: Sketch, rng: np.random.Generator, at: Point) -> None:
         sketch.box(colour, (left, low, deep), (left + 0.17, low + 0.006, deep + 0.23), shade=1.1)
 
 
-def _walls(sketch: Sketch, lower: str, upper: str, floor: str, *, back: bool = True) -> None:
+def walls(sketch: Sketch, lower: str, upper: str, floor: str, *, back: bool = True) -> None:
+    """Add floor and walls of two colours, darker in the corners and below the table."""
+
     def corner(point: Point) -> float:
         near = max(min(point[2] - _BACK, _SIDE - abs(point[0])), 0.0)
         low = max(point[1] - FLOOR, 0.0)
@@ -197,13 +215,13 @@ def _walls(sketch: Sketch, lower: str, upper: str, floor: str, *, back: bool = T
         return (1.0 - 0.5 * math.exp(-away / 0.25)) * (1.0 - 0.3 * math.exp(-near / 0.25))
 
     sketch.sheet(floor, (-_SIDE, FLOOR, _FRONT), (2 * _SIDE, 0, 0), (0, 0, _BACK - _FRONT), (14, 14), 1.0, below)
-    walls = [
+    sides = [
         ((-_SIDE, 0.0, _FRONT), (0.0, 0.0, _BACK - _FRONT)),
         ((_SIDE, 0.0, _BACK), (0.0, 0.0, _FRONT - _BACK)),
     ]
     if back:
-        walls.append(((-_SIDE, 0.0, _BACK), (2 * _SIDE, 0.0, 0.0)))
-    for (x, _, z), along in walls:
+        sides.append(((-_SIDE, 0.0, _BACK), (2 * _SIDE, 0.0, 0.0)))
+    for (x, _, z), along in sides:
         sketch.sheet(lower, (x, FLOOR, z), along, (0.0, 0.7, 0.0), (10, 5), 1.0, lambda p: 0.75 * corner(p))
         sketch.sheet(upper, (x, FLOOR + 0.7, z), along, (0.0, _HIGH - FLOOR - 0.7, 0.0), (10, 5), 1.0, corner)
 
@@ -238,18 +256,19 @@ def _books(sketch: Sketch, rng: np.random.Generator, left: float, right: float, 
 
 def _lamp(sketch: Sketch, foot: Point) -> None:
     x, y, z = foot
-    _drum(sketch, "brass", foot, 0.02, (0.07, 0.06))
-    _drum(sketch, "brass", (x, y + 0.02, z), 0.20, (0.012, 0.010))
-    _drum(sketch, "lamp", (x, y + 0.20, z), 0.19, (0.145, 0.085), even=0.85)
+    drum(sketch, "brass", foot, 0.02, (0.07, 0.06))
+    drum(sketch, "brass", (x, y + 0.02, z), 0.20, (0.012, 0.010))
+    drum(sketch, "lamp", (x, y + 0.20, z), 0.19, (0.145, 0.085), even=0.85)
 
 
-def _window(
+def window(
     sketch: Sketch,
     low: tuple[float, float],
     high: tuple[float, float],
     panes: tuple[int, int],
     rng: np.random.Generator,
 ) -> None:
+    """Add a window in the back wall with a sill, its panes across and up, and a view."""
     (x0, y0), (x1, y1) = low, high
     _view(sketch, rng, (x0, x1), (y0, y1), -1.888)
     for number in range(panes[0] + 1):
@@ -288,7 +307,8 @@ def _view(
             sketch.fan(colour, corners, [(0.0, 0.0)] * 4, [0.75 * shade, 0.75 * shade, shade, shade])
 
 
-def _curtain(sketch: Sketch, left: float, right: float) -> None:
+def curtain(sketch: Sketch, left: float, right: float) -> None:
+    """Add a curtain before the back wall, in folds."""
     steps = 16
     xs = np.linspace(left, right, steps + 1)
     shades = [0.62 + 0.38 * abs(math.sin(2.2 * number)) for number in range(steps + 1)]
@@ -313,16 +333,17 @@ def _crown(sketch: Sketch, rng: np.random.Generator, centre: Point, size: float)
         share = number / 25
         turn, far = rng.uniform(0.0, 2.0 * math.pi), size * math.sqrt(rng.random()) * (1.0 - 0.3 * share)
         at = (x + far * math.cos(turn), y + 0.8 * far * math.sin(turn) + 0.15 * size * share, z + 0.01 + 0.004 * number)
-        _disc(sketch, "leaf", at, size * (0.36 - 0.22 * share), 0.7 + 1.1 * share)
+        disc(sketch, "leaf", at, size * (0.36 - 0.22 * share), 0.7 + 1.1 * share)
 
 
-def _disc(sketch: Sketch, material: str, centre: Point, radius: float, shade: float, sides: int = 9) -> None:
+def disc(sketch: Sketch, material: str, centre: Point, radius: float, shade: float, sides: int = 9) -> None:
+    """Add a flat disc that faces +z, lighter above."""
     turns = [2.0 * math.pi * number / sides for number in range(sides)]
     corners = [(centre[0] + radius * math.cos(t), centre[1] + radius * math.sin(t), centre[2]) for t in turns]
     sketch.fan(material, corners, [(0.0, 0.0)] * sides, [shade * (0.86 + 0.14 * math.sin(t)) for t in turns])
 
 
-def _plant(sketch: Sketch, rng: np.random.Generator, foot: Point, count: int, length: float) -> None:
+def plant(sketch: Sketch, rng: np.random.Generator, foot: Point, count: int, length: float) -> None:
     """Long leaves that rise from a pot and hang over."""
     x, y, z = foot
     for number in range(count):
@@ -344,7 +365,7 @@ def _plant(sketch: Sketch, rng: np.random.Generator, foot: Point, count: int, le
             sketch.fan("leaf", corners[::-1], [(0.0, 0.0)] * 4, [0.8 * s for s in shades])
 
 
-def _drum(
+def drum(
     sketch: Sketch, material: str, foot: Point, high: float, radii: tuple[float, float], *, even: float = 0.0
 ) -> None:
     """A round thing, shaded by the light from the right; `even` shines by its own light."""
@@ -398,7 +419,7 @@ def _tools(sketch: Sketch) -> None:
     _bar(sketch, "safety", (0.30, 0.04), (0.98, 0.09), 0.9)  # level
     _bar(sketch, "lawn", (0.60, 0.05), (0.68, 0.08), 2.0)
     for radius, colour, shade in ((0.17, "safety", 0.8), (0.11, "peg", 0.9)):  # coil of cable
-        _disc(sketch, colour, (0.98, 0.32, -1.852 + 0.001 * (radius < 0.15)), radius, shade, 28)
+        disc(sketch, colour, (0.98, 0.32, -1.852 + 0.001 * (radius < 0.15)), radius, shade, 28)
 
 
 def _vice(sketch: Sketch) -> None:

@@ -11,6 +11,7 @@ from mimics_app.contracts.arrays import F8
 __all__ = [
     "paint_boards",
     "paint_cushion",
+    "paint_grain",
     "paint_ice",
     "paint_oak",
     "paint_ripples",
@@ -51,6 +52,15 @@ def paint_boards(seed: int) -> bytes:
     tone = 0.5 + 0.24 * (hash_noise(board, board * 0, seed) - 0.5)
     canvas.tone = tone + 0.4 * (_grain(canvas, seed, 48) - 0.5)
     canvas.shade(0.45, (y % 64 < 2) | ((x + 131 * board) % 512 < 2))
+    canvas.grain(0.06, seed + 2)
+    return canvas.to_png()
+
+
+def paint_grain(seed: int) -> bytes:
+    """Grain of painted wood, nearly white, to be tinted by a material."""
+    side = _SIDE // 2
+    canvas = Canvas(side, side, [((172, 168, 160), (255, 255, 252))])
+    canvas.tone = 0.72 + 0.75 * (_grain(canvas, seed, 24) - 0.5)
     canvas.grain(0.06, seed + 2)
     return canvas.to_png()
 
