@@ -414,7 +414,12 @@ def test_answers_to_forms_are_checked_kept_in_order_exported_and_erased(tmp_path
     mimics("study", "form", folder, "007", "nasa_tlx", "--answers", out)
     mimics("study", "form", folder, "007", "nasa_tlx", "--answers", out, "effort=20")
     mimics("study", "form", folder, "007", "person", "hand=left", "side=none")
-    mimics("study", "export", folder, "--out", tables)
+    study = StudyFolder(folder)
+    study.with_settings(study.find("007"), language="sl")
+    mimics("study", "export", folder, "--out", tables, "--language", "de")
+    pages = [(tables / name).read_text(encoding="utf-8") for name in ("study.html", "participant_007.html")]
+    assert [re.findall('lang="(..)"', page) for page in pages] == [["de"], ["sl"]]
+    assert "1 Teilnehmer: Mittel" in pages[0] and "trials.csv, changes.csv, effects.csv, answers.csv" in pages[0]
     rows = list(csv.DictReader((tables / "answers.csv").open()))
     assert {row["participant"] for row in rows} == {"007"} and len(rows) == 2 * 6 + 2
     assert [(row["time"], float(row["value"])) for row in rows if row["item"] == "effort"] == [("1", 55.0), ("2", 20.0)]

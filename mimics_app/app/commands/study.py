@@ -12,7 +12,7 @@ from mimics_app.app.study.counterbalance import ORDERS
 from mimics_app.app.terminal.arguments import Container, folder_to_write, positive_time, random_seed, whole_number
 from mimics_app.app.terminal.output import answer, say
 from mimics_app.contracts.errors import PartialDataError, UsageError
-from mimics_app.contracts.system.language import LANGUAGES
+from mimics_app.contracts.system.language import LANGUAGES, speaking
 
 __all__ = ["add_arguments", "run"]
 
@@ -83,7 +83,7 @@ def _add_verbs(group: Container) -> None:
         "--language",
         choices=tuple(LANGUAGES),
         default="",
-        help="run: language of the texts that the participant sees, kept for later runs",
+        help="run: language of the texts that the participant sees, kept for later runs; otherwise that of the pages",
     )
     group.add_argument("--options", default="", metavar="TEXT", help='run: options of mimics run, e.g. "--headless"')
     chosen = group.add_mutually_exclusive_group()
@@ -105,6 +105,7 @@ def run(args: argparse.Namespace) -> int:
     from mimics_app.app.study.page import write_page
     from mimics_app.app.study.subjects import find_run, run_subject
     from mimics_app.app.study.tables import read_study, write_table
+    from mimics_app.app.terminal.participant_language import usual_language
     from mimics_app.recording.run_folder import PRIVATE_FOLDER
     from mimics_app.world.files.scene.file import load_scene
 
@@ -122,7 +123,8 @@ def run(args: argparse.Namespace) -> int:
     for name, table in tables.items():
         if table.rows:
             write_table(args.out / f"{name}.csv", table.rows, table.columns)
-    write_page(args.out / "study.html", scene.title or scene.name, runs, trials, tables)
+    with speaking(args.language or usual_language()):
+        write_page(args.out / "study.html", scene.title or scene.name, runs, trials, tables)
     problems = [f"subject {each.subject}: {each.problem}" for each in runs if each.problem]
     for problem in problems:
         say(problem)

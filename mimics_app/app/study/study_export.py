@@ -17,7 +17,7 @@ from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.app.study.tables import write_table
 from mimics_app.contracts.errors import OutputError
 from mimics_app.contracts.messages.calibration_record import MEASURE_TITLES
-from mimics_app.contracts.system.language import spoken, translated
+from mimics_app.contracts.system.language import speaking, spoken, translated
 from mimics_app.contracts.system.phrases import counted_phrase, phrase
 from mimics_app.contracts.system.whole_file import private_text
 from mimics_app.plotting.page_templates import load_templates
@@ -51,7 +51,7 @@ class _About:
 
 
 def export_study(study: StudyFolder, folder: Path) -> list[Path]:
-    """Write the tables as CSV, study.html and a page for each participant.
+    """Write the tables as CSV, study.html, and a page for each participant, in that person's language if there is one.
 
     Raises:
         OutputError: The folder has files already.
@@ -83,14 +83,9 @@ def export_study(study: StudyFolder, folder: Path) -> list[Path]:
     ]
     _write_page(folder / "study.html", study, "", measures, effects=effects, pages=pages, files=kept)
     for person, name in pages.items():
-        own, found = changes[person], trends[person]
-        _write_page(
-            folder / name,
-            study,
-            person.code,
-            measures,
-            about=_About(own, answers[person], found, study.notes_of(person)),
-        )
+        about = _About(changes[person], answers[person], trends[person], study.notes_of(person))
+        with speaking(person.language or spoken()):
+            _write_page(folder / name, study, person.code, measures, about=about)
     return [folder / name for name in (*kept, "study.html", *pages.values())]
 
 

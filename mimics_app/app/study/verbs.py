@@ -18,6 +18,7 @@ from mimics_app.app.study.study_export import export_study
 from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import Next, find_next, play_next
 from mimics_app.app.terminal.output import answer
+from mimics_app.app.terminal.participant_language import usual_language
 from mimics_app.contracts.errors import PartialDataError, UsageError, nearest
 from mimics_app.contracts.system.language import speaking, spoken, translated
 from mimics_app.contracts.system.regular_file import read_regular
@@ -208,7 +209,8 @@ def _list_studies(args: argparse.Namespace) -> int:
 def _export(args: argparse.Namespace, folder: Path, words: list[str]) -> int:
     if words:
         raise UsageError("export takes the folder of the study and no more", "--out DIR names the folder of the tables")
-    files = export_study(StudyFolder(folder), args.out)
+    with speaking(args.language or usual_language()):
+        files = export_study(StudyFolder(folder), args.out)
     answer(args, {"verb": "export", "files": files}, map(str, files))
     return 0
 
