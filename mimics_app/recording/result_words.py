@@ -15,6 +15,7 @@ from mimics_app.contracts.messages.trial_counts import (
 from mimics_app.contracts.system.language import translated
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.history import EarlierRun, finished_times
+from mimics_app.recording.report_tables import caption_of
 from mimics_app.recording.report_values import number
 
 __all__ = [
@@ -72,6 +73,7 @@ _COLUMNS = (
 
 _NAMED = (
     *_COLUMNS,
+    _Column("walked_m", phrase("Walked"), ".0f", "m"),
     _Column("contact_time_s", phrase("Time in contact"), ".1f", "s"),
     _Column("smoothness", phrase("Smoothness"), ".2f"),
 )
@@ -172,9 +174,9 @@ def _has(row: Mapping[str, Any], column: str) -> bool:
     return number(row.get(column)) is not None and row.get("time_s") != 0.0
 
 
-def measure_caption(column: str, otherwise: str) -> str:
-    """Return the caption of a measure, or, where it has none, other words."""
-    return translated(next((each.caption for each in _NAMED if each.name == column), otherwise))
+def measure_caption(column: str) -> str:
+    """Return the caption of a measure, or, where it has no name for a person, that of the report."""
+    return translated(_column_of(column).caption)
 
 
 def has_caption(column: str) -> bool:
@@ -184,8 +186,13 @@ def has_caption(column: str) -> bool:
 
 def mean_words(column: str, value: float) -> str:
     """Return a mean or a difference to three digits, in the unit in which a person reads it."""
-    known = next((each for each in _NAMED if each.name == column), _Column(column, "", ""))
-    return known.text(value, ".3g")
+    return _column_of(column).text(value, ".3g")
+
+
+def _column_of(name: str) -> _Column:
+    """Return a measure as a person reads it, else as the report has it, with the unit in its caption."""
+    known = next((each for each in _NAMED if each.name == name), None)
+    return known or _Column(name, caption_of(name, {}), "", factor=1e3 if name.endswith("_m") else 1.0)
 
 
 def _cells(row: Mapping[str, Any], shown: Sequence[_Column]) -> list[str]:

@@ -36,15 +36,22 @@ def test_measures_that_have_a_value_are_compared(tmp_path: Path, measured: dict[
     shown = re.findall(r"<li>(.*?) \((\w+)\):", page)
     assert [column for _, column in shown] == heads
     assert re.findall("<th>(.*?)</th>", page)[: 2 + len(heads)] == ["condition", "trials", *(head for head, _ in shown)]
-    assert ("<td>3.14 s (0 s)</td>" in page) is ("time_s" in heads)
+    assert (">3.14 s (0 s)</td>" in page) is ("time_s" in heads)
 
 
 def test_a_distance_has_its_caption_and_its_unit(tmp_path: Path) -> None:
-    rows = [{"label": "a", "outcome": "finished", "path_error_rms_m": each} for each in ("0.0120", "0.0140")]
+    cells = {"score": "90", "contact_time_s": "0.5", "step_length_m": "0.61", "walked_m": "140"}
+    rows = [{"label": "a", "outcome": "finished", "path_error_rms_m": each, **cells} for each in ("0.0120", "0.0140")]
     with speaking("de"):
         write_page(tmp_path / "study.html", "walk", [], rows, {})
     page = (tmp_path / "study.html").read_text(encoding="utf-8")
-    assert "<th>Neben der Linie</th>" in page and "<td>13 mm (1,41 mm)</td>" in page and '<html lang="de">' in page
+    for head, cell in (
+        ("Schrittlänge [mm]", "610 (0)"),
+        ("Gegangen", "140 m (0 m)"),
+        ("Zeit in Kontakt", "0,5 s (0 s)"),
+    ):
+        assert f"<th>{head}</th>" in page and f">{cell}</td>" in page, head
+    assert "<th>Neben der Linie</th>" in page and ">13 mm (1,41 mm)</td>" in page and '<html lang="de">' in page
 
 
 def test_the_page_has_the_title_of_the_scene(tmp_path: Path) -> None:

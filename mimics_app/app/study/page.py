@@ -37,7 +37,7 @@ def write_page(
         translated=translated,
         title=_title_of(runs) or scene,
         measures=measures,
-        captions={name: measure_caption(name, what) for name, what in measures.items()},
+        captions={name: measure_caption(name) for name in measures},
         conditions=conditions,
         simulated=any(run.simulated for run in runs if run.folder),
         size=", ".join(map(translated, (subjects, trials_done))),

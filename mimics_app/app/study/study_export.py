@@ -181,7 +181,7 @@ def _write_page(
         title=study.title,
         participant=participant,
         measures=measures,
-        captions={name: measure_caption(name, what) for name, what in measures.items()},
+        captions={name: measure_caption(name) for name in measures},
         effects=effects,
         changes=[each for each in about.changes if has_caption(each.measure)],
         scene_title=lambda condition: translated(title_of(study, condition)),
