@@ -351,7 +351,7 @@ check() {
     step ruff "$venv/bin/ruff" check .
     step format "$venv/bin/ruff" format --check .
     step imports "$venv/bin/lint-imports"
-    step tests pytest_beside --numprocesses=2 -q -m "not slow and not hardware and not gpu" tests/unit tests/architecture tests/properties
+    step tests pytest_beside --numprocesses=2 -q -m "not slow and not seconds and not hardware and not gpu" tests/unit tests/architecture tests/properties
     step mypy verdict_on_types
     [ -z "$failed" ] || { say "red:$failed"; exit 1; }
     say "all green"

@@ -66,6 +66,7 @@ def test_no_number_is_reported_as_none(text: str):
 _LIKE_A_NUMBER = st.from_regex(r"[+-]?[0-9]{0,17}\.?[0-9]{0,6}([eE][+-]?[0-9]{0,2})?[;,\] ]?", fullmatch=True)
 
 
+@pytest.mark.seconds
 def test_any_text_ends_and_what_is_read_is_what_float_reads():
     seen = []
 

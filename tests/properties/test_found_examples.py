@@ -44,6 +44,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("profile", ["random", "nightly"])
 def test_failure_of_a_random_search_is_kept_tried_first_and_reported_by_the_daily_one_too(
     folder: Path, profile: str
@@ -59,6 +60,7 @@ def test_failure_of_a_random_search_is_kept_tried_first_and_reported_by_the_dail
     assert sorted(file for file in (folder / "properties" / "found").rglob("*") if file.is_file()) == kept
 
 
+@pytest.mark.seconds
 def test_the_daily_search_draws_the_same_and_a_random_one_does_not(folder: Path) -> None:
     (folder / "test_property.py").write_text(_PROPERTY.replace("number < 4711", "True"))
     for profile, same in (("same", True), ("random", False)):

@@ -110,6 +110,7 @@ def check_reached(players, share):
     assert sum(row["contacts"] > 0 for row in rows) >= share * len(players)
 
 
+@pytest.mark.seconds
 def test_any_robot_any_clock_no_negative_time_and_rows_in_order():
     players = []
 
@@ -147,6 +148,7 @@ def check_session(player):
     assert all(math.isfinite(value) for value in result.values())
 
 
+@pytest.mark.seconds
 @settings(max_examples=40)
 @given(history=histories(20), arrives=st.booleans(), ramps=st.booleans(), travels=st.booleans())
 def test_whatever_happened_it_ends_once_the_stops_are_over(history, arrives, ramps, travels):
@@ -168,6 +170,7 @@ def test_whatever_happened_it_ends_once_the_stops_are_over(history, arrives, ram
     assert counted == {0, 1, 2, 3}
 
 
+@pytest.mark.seconds
 def test_the_same_frames_give_the_same_session():
     players = []
 

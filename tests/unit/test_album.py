@@ -55,6 +55,7 @@ def test_of_a_run_of_a_given_length_time_counts_where_it_is_farther(seconds: flo
     assert kept(session(), 2, seconds) == frames
 
 
+@pytest.mark.seconds
 def test_a_last_picture_that_cannot_be_written_costs_only_itself(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

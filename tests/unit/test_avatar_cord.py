@@ -375,6 +375,7 @@ def test_the_cord_is_felt_where_its_surface_is() -> None:
     assert not out.any()
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("late_frames", [0.6, 1.0, 2.0], ids=lambda share: f"{share} frames late")
 @pytest.mark.parametrize("rate", [60.0, *(pytest.param(rate, marks=pytest.mark.slow) for rate in (72.0, 90.0)), 144.0])
 def test_taps_are_displayed_at_their_time_whatever_the_display_takes(rate: float, late_frames: float) -> None:

@@ -127,6 +127,7 @@ def test_real_beats(record: str, least: float) -> None:
     assert f1(beats.tolist(), [event.t_s for event in found], 0.15) >= least
 
 
+@pytest.mark.seconds
 def test_the_table_of_noise_counts_every_kind_and_lays_what_two_excerpts_differ_by(tmp_path: Path) -> None:
     """A heart in two sizes of one noise: what is laid upon it anew is that noise, and more of it costs more beats."""
     signals, truth = body(20, 3)

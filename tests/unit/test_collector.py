@@ -24,6 +24,7 @@ class _Ring:
         self.itself = self
 
 
+@pytest.mark.seconds
 def test_what_exists_is_left_out_and_what_is_made_is_found():
     gc.collect()
     before = len(gc.get_objects())

@@ -126,6 +126,7 @@ def test_a_full_ring_counts_what_it_loses_and_says_so() -> None:
     assert len(desk.take()) == 4 and sender.send(Pause(), 0) == 4
 
 
+@pytest.mark.seconds
 def test_none_of_a_hundred_thousand_is_lost_between_two_threads() -> None:
     memory, count = SessionMemory(Capacities(commands=1024)), 100_000
     sender, desk = CommandSender(memory, CommandSource.OPERATOR, "page"), CommandReceiver(memory)

@@ -102,6 +102,7 @@ def _unplug_after(emulator: Any, commands: int) -> None:
     emulator.faults.plugged = False
 
 
+@pytest.mark.seconds
 def test_a_headless_run_on_a_robot_with_a_time_of_its_own_is_live(stdin, tmp_path: Path, capsys):
     """The robot is unplugged under way: the run goes on recording to its end, in a latched stop."""
     quiet = ["--headless", "--pictures", "0", "--sound", "off", "--json", "--runs", str(tmp_path)]

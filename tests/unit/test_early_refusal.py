@@ -114,6 +114,7 @@ def refusals(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Refusal]:
     return dict(zip(asked, _answers(asked.values()), strict=True))
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize(("line", "code", "said"), REFUSED)
 def test_what_is_not_there_is_refused_before_anything_heavy_is_imported(
     refusals: dict[str, Refusal], line: str, code: int, said: str
@@ -167,6 +168,7 @@ def test_files_of_the_readme_are_found_from_any_folder(tmp_path: Path, monkeypat
     assert find_file(Path("nowhere.glb")) == Path("nowhere.glb")
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("command", ["render", "view --output x.png"])
 def test_a_misspelt_camera_is_refused_before_a_picture_is_made(command: str) -> None:
     (refusal,) = _answers([f"{command} city_walk --camera crosing"])

@@ -218,6 +218,7 @@ def _carried(chain: Chain, slots: list[int], bound: np.ndarray, weights: np.ndar
     return result
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("person", WALKERS)
 def test_the_soles_of_a_foot_that_stands_are_on_the_ground(person: str) -> None:
     """The lowest vertex of a foot: within 0.1 mm of the ground while it stands, never below it (was: up to 7 mm)."""

@@ -31,6 +31,7 @@ def ended() -> TrialResult:
     return TrialResult(0, 0, "finished", 1.0, 1.0)
 
 
+@pytest.mark.seconds
 def test_the_published_order_of_the_guided_walk() -> None:
     """Kastanis & Slater 2012: nine, six and one of ten; the walkers' distances are published ones."""
     intimate, social, chance = (walk_study(c, people=150, seed=9) for c in ("intimate", "social", "random"))

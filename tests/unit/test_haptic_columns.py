@@ -124,6 +124,7 @@ def test_a_flipped_bit_of_a_column_is_read_from_the_blocks(run: Path) -> None:
     _assert_equal(run)
 
 
+@pytest.mark.seconds
 def test_without_columns_or_with_damaged_blocks_the_blocks_are_read(run: Path) -> None:
     content = bytearray((run / "haptic.arrows").read_bytes())
     _seq, offset, _length = np.fromfile(run / "haptic.arrows.idx", np.int64).reshape(-1, 3)[7].tolist()
@@ -207,6 +208,7 @@ def test_columns_that_cannot_be_flushed_end_alone(tmp_path: Path, monkeypatch: p
     columns.close()
 
 
+@pytest.mark.seconds
 def test_a_block_whose_row_of_the_sidecar_finds_no_room_is_in_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -246,6 +248,7 @@ def test_a_second_recorder_leaves_the_columns_as_they_are(tmp_path: Path) -> Non
     _assert_equal(tmp_path)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("lost", [3, 8, 2000])
 def test_recover_makes_the_columns_readable_to_their_last_batch(run: Path, lost: int) -> None:
     content = (run / COLUMNS).read_bytes()

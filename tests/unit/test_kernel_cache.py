@@ -78,6 +78,7 @@ print("back", key() == before)
 """
 
 
+@pytest.mark.seconds
 def test_an_edit_of_a_constant_in_any_source_the_loop_reaches_changes_its_key(copied: Path) -> None:
     """The files are those that the loop's imports reach, and no module that its import loads is missing among them."""
     lines = _run(_EDIT_EACH, copied).splitlines()
@@ -115,6 +116,7 @@ def answer(x):
 """
 
 
+@pytest.mark.seconds
 def test_a_constant_of_another_file_takes_effect_in_the_next_process(tmp_path: Path) -> None:
     """numba's own cache fails this: it looks at the file of the compiled function only."""
     package = tmp_path / "plugged"
@@ -141,6 +143,7 @@ def factorial(n):
 """
 
 
+@pytest.mark.seconds
 def test_a_function_that_calls_itself_is_kept_with_its_intermediate_code(tmp_path: Path) -> None:
     (tmp_path / "recursive.py").write_text(_CALLS_ITSELF)
     code = "from recursive import factorial; print(factorial(5), sum(factorial.stats.cache_hits.values()))"
@@ -163,6 +166,7 @@ def test_relative_and_parenthesised_imports_are_followed(tmp_path: Path) -> None
     assert _run(code, tmp_path, PYTHONPATH=f"{tmp_path}:{ROOT}") == "kernels.py twig.py leaf.py"
 
 
+@pytest.mark.seconds
 def test_a_damaged_or_foreign_file_is_compiled_again(tmp_path: Path) -> None:
     package = tmp_path / "plugged"
     package.mkdir()
@@ -185,6 +189,7 @@ def test_a_damaged_or_foreign_file_is_compiled_again(tmp_path: Path) -> None:
     assert _run(here, tmp_path, **places) == "5"
 
 
+@pytest.mark.seconds
 def test_one_bit_of_the_machine_code_costs_a_compilation(tmp_path: Path) -> None:
     """It would otherwise run: a file that lost a page with the power is read without an error."""
     (tmp_path / "probe.py").write_text(_TWO)
@@ -198,6 +203,7 @@ def test_one_bit_of_the_machine_code_costs_a_compilation(tmp_path: Path) -> None
     assert [_run(code, tmp_path, **places) for _ in range(2)] == ["7 0", "7 1"]
 
 
+@pytest.mark.seconds
 def test_a_cache_on_a_full_disk_is_none(tmp_path: Path) -> None:
     (tmp_path / "probe.py").write_text(_FULL)
     for _ in range(2):
@@ -259,6 +265,7 @@ print(outer(3))
 """
 
 
+@pytest.mark.seconds
 def test_constants_are_no_types_unless_a_function_needs_them(tmp_path: Path) -> None:
     """The place in a tuple of two types is one it needs."""
     (tmp_path / "constants_of.py").write_text(_CONSTANTS)
@@ -267,6 +274,7 @@ def test_constants_are_no_types_unless_a_function_needs_them(tmp_path: Path) -> 
     assert len(list((tmp_path / "cache").rglob("linked-*shifted*.nbc"))) == 1
 
 
+@pytest.mark.seconds
 def test_a_kernel_that_only_kernels_call_never_becomes_machine_code(tmp_path: Path) -> None:
     """Its file holds intermediate code, and the next process links from there; called from Python it is compiled."""
     (tmp_path / "chain.py").write_text(_CHAIN + "print(inner(4.0))\n")
@@ -277,6 +285,7 @@ def test_a_kernel_that_only_kernels_call_never_becomes_machine_code(tmp_path: Pa
     assert [name.split("-")[0] for name in names] == ["chain.inner", "chain.outer", "linked"]
 
 
+@pytest.mark.seconds
 def test_an_edit_after_the_start_keeps_the_old_code_out_of_the_cache(tmp_path: Path) -> None:
     source = tmp_path / "chain.py"
     source.write_text(_CHAIN.replace("print(", "0 and print("))
@@ -295,6 +304,7 @@ def doubled(x):
 """
 
 
+@pytest.mark.seconds
 def test_two_processes_that_first_compile_one_function_for_other_types_take_each_their_own(tmp_path: Path) -> None:
     """numba numbers the files by an index that it read before: the later process writes over the earlier one's code."""
     (tmp_path / "doubles.py").write_text(_DOUBLES)

@@ -96,6 +96,7 @@ print(twice({argument}))
 """
 
 
+@pytest.mark.seconds
 def test_a_process_that_compiles_sweeps_and_marks_what_it_opens(tmp_path: Path) -> None:
     """The first run of a program makes a new folder and sweeps; the next one marks it as used."""
     program = tmp_path / "program.py"

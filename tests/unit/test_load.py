@@ -90,6 +90,7 @@ def test_what_is_not_known_is_left_out() -> None:
         assert half.sum() == pytest.approx(1.0)
 
 
+@pytest.mark.seconds
 def test_a_long_run_of_one_class_does_not_end_in_wrong_certainty() -> None:
     """Unseen families, 40 trials of one class, nobody asked: at most 2 % of the last 20 are wrong above 0.99."""
     people, rng = shipped_people(), np.random.default_rng(1)
@@ -249,6 +250,7 @@ def test_the_shipped_people_are_what_the_simulation_gives() -> None:
     np.testing.assert_array_equal(drawn.classes[0], shipped_people().classes[0])
 
 
+@pytest.mark.seconds
 def test_the_same_people_come_to_every_policy_and_the_load_changes_what_follows() -> None:
     """The first demand is given; a policy that sees signals has their chance apart from that of the trials."""
     reported = {name: loop_study(name, n=1, trials=3).regret for name in ("kalman", "kalman_performance", "staircase")}

@@ -238,6 +238,7 @@ def _answer(product: Path, code: str, *arguments: str) -> Any:
     return json.loads(done.stdout)
 
 
+@pytest.mark.seconds
 def test_a_new_number_out_of_the_loop_is_two_files(product: Path) -> None:
     """Its row and the kernel that computes it bring it into snapshot, sample and recording, with its unit."""
     (product / "run").mkdir()

@@ -49,6 +49,7 @@ def run_beside(code: str, folder: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.seconds
 def test_a_module_among_the_built_in_devices_is_one(tmp_path: Path) -> None:
     (tmp_path / "built_in").mkdir()
     (tmp_path / "built_in" / "zero_robot.py").write_text(ROW)

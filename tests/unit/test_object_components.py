@@ -247,6 +247,7 @@ def test_schema_describes_every_key_of_every_part():
             assert key in ("shape", "kind") or "description" in json.dumps(value), f"{name}.{key}"
 
 
+@pytest.mark.seconds
 def test_trimesh_is_imported_only_for_models(tmp_path):
     """A scene without mesh shapes is checked without it."""
     code = (

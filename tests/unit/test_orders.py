@@ -46,6 +46,7 @@ def test_what_is_shown_follows_the_orders_and_keeps_the_rest() -> None:
     assert VisualOrder({RADIUS: 2}).get(LOOK) is None
 
 
+@pytest.mark.seconds
 def test_every_scenario_declares_each_feature_once() -> None:
     declared = [features_of(read_scene(root() / "scenes" / f"{name}.json")) for name in BUILT_IN]
     for features in declared:

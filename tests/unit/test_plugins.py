@@ -110,6 +110,7 @@ def test_one_group_is_asked_alone(installed: None) -> None:
     assert {report.group for report in report_group(DEVICES)} == {"mimics_app.devices"}
 
 
+@pytest.mark.seconds
 def test_every_group_that_is_announced_is_loaded() -> None:
     """A plug-in of a group that nothing loads would be called ok by doctor and do nothing."""
     declared = {
@@ -161,6 +162,7 @@ def refusals(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Answer]:
     return dict(zip(commands, mimics_with(site, *commands.values()), strict=True))
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("group", "code", "said"),
     [

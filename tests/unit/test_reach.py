@@ -40,6 +40,7 @@ def test_the_hand_is_exact_and_bones_keep_their_lengths() -> None:
     assert np.abs(off).max() < 1e-9, "the elbow lies in the plane of the pole"
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("lengths", [(0.30, 0.27), (0.27, 0.30), (0.30, 0.30)])
 def test_nothing_that_is_asked_gives_nonsense(lengths: tuple[float, float]) -> None:
     """A million inputs, among them all that is degenerate: bones keep their lengths, nothing is not finite."""

@@ -84,6 +84,7 @@ def test_recorded_inputs_give_the_recorded_outputs(tmp_path: Path) -> None:
     assert compare(data.samples, _fake_tick(data)) is None
 
 
+@pytest.mark.seconds
 def test_a_flipped_bit_is_caught_by_the_checksum_or_changes_nothing(tmp_path: Path) -> None:
     """Some bits of a block fill it up or say what its reader knows; every other one costs the block."""
     whole = gather(Run.open(_write_run(tmp_path))).samples.tobytes()
@@ -132,6 +133,7 @@ def test_comparison_is_of_bits_and_of_outputs_only() -> None:
         compare(one, other[:4])
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("row", [0, 999, 1000, 1001, 49_999])
 def test_a_difference_is_found_in_every_row(row: int) -> None:
     """Also far behind the first second, and in the last row."""

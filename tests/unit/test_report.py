@@ -70,6 +70,7 @@ class _Reader(HTMLParser):
         assert self.open.pop() == tag
 
 
+@pytest.mark.seconds
 def test_page_is_well_formed_and_offline(page: str) -> None:
     reader = _Reader()
     page = re.sub(r"data:image/jpeg;base64,[A-Za-z0-9+/=]+", "", page)  # a picture within the page
@@ -556,6 +557,7 @@ def test_flat_and_empty_data_have_an_axis() -> None:
         assert len(axis.ticks()) > 1
 
 
+@pytest.mark.seconds
 def test_snippets_of_the_guide_run(folder: Path) -> None:
     guide = (Path(__file__).parents[2] / "docs" / "recording.md").read_text()
     names: dict[str, object] = {"run": str(folder)}

@@ -594,6 +594,7 @@ def test_full_disk_stops_the_recording_and_nothing_else(tmp_path: Path) -> None:
 # the whole recorder on the virtual clock
 
 
+@pytest.mark.seconds
 def test_two_recordings_of_the_same_have_the_same_hash(tmp_path: Path) -> None:
     hashes = []
     for name, step in (("a", 1000), ("b", 17)):
@@ -643,6 +644,7 @@ def test_abandoned_run_is_interrupted_and_whole(tmp_path: Path) -> None:
     assert len(run.lines_of("app", "frame")) == 100 and run.disagreements() == []
 
 
+@pytest.mark.seconds
 def test_abandoned_run_of_a_recorder_that_was_just_killed_is_whole(tmp_path: Path) -> None:
     """The standby has taken over before anybody looked: it is not killed over its work."""
     memory = SessionMemory()

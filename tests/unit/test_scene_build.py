@@ -255,6 +255,7 @@ def test_a_watcher_sees_a_save_of_the_same_size_a_removal_and_a_return_once_each
     assert watcher.changed()
 
 
+@pytest.mark.seconds
 def test_the_shipped_scenes_are_right_and_build():
     import mimics_app.app.scenes.loading as loading
 

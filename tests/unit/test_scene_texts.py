@@ -121,6 +121,7 @@ def changed_plain(value: Any, steps: tuple[str, ...], how: str, new: Any) -> Any
     return value
 
 
+@pytest.mark.seconds
 @given(data=st.data())
 def test_random_edits_are_those_of_python_and_undo_gives_the_bytes_back(data, tmp_path_factory):
     value = data.draw(st.dictionaries(st.text(max_size=4), VALUES, min_size=1, max_size=4))

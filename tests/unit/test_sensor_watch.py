@@ -40,6 +40,7 @@ def test_a_sensor_without_noise_is_frozen_after_50_ms(kind: str, moves: float) -
     assert FAILS + 48 <= _stops_at(q, torque) <= FAILS + 53
 
 
+@pytest.mark.seconds
 def test_a_leg_at_rest_never_counts_as_frozen() -> None:
     """A hundred seconds in which nothing but the noise changes: readings repeat five times in a row, not fifty."""
     q, torque = _read(100_000)

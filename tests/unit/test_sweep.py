@@ -133,6 +133,7 @@ def test_a_torn_chunk_is_computed_again(tmp_path):
         store.finish(chunks, sweep)
 
 
+@pytest.mark.seconds
 def test_patient_is_repeatable_and_actions_change_the_travel():
     scene = load_checked_scene(root() / "scenes" / "wavy_tunnel.json")
     plain = travel(scene, "healthy", 3, {}, profile="training", seconds=60.0)

@@ -51,6 +51,7 @@ def test_consecutive_steps_are_never_the_same_recording(surface):
         assert np.abs(cross).max() / np.sqrt(np.sum(one**2) * np.sum(other**2)) < 0.9
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("name", list(built_in_recipes()))
 def test_every_built_in_recipe_passes_the_kit(name):
     """Below full scale, without a constant part, the same at each call, loops without a seam."""
@@ -65,6 +66,7 @@ def test_what_is_struck_harder_is_brighter_and_begins_within_a_millisecond(name)
         assert int(np.argmax(np.abs(samples) > 0.1 * np.abs(samples).max())) <= RATE // 1000
 
 
+@pytest.mark.seconds
 def test_a_roused_crowd_is_brighter_and_a_kick_has_slap_and_body():
     calm, roused = (centroid(synth_crowd.synthesise_crowd(RATE, arousal)) for arousal in (0.0, 1.0))
     assert roused > 1.1 * calm
@@ -73,6 +75,7 @@ def test_a_roused_crowd_is_brighter_and_a_kick_has_slap_and_body():
     assert kick[frequency > 700].sum() > 0.1 * kick.sum() and kick[frequency < 400].sum() > 0.2 * kick.sum()
 
 
+@pytest.mark.seconds
 def test_a_crowd_claps_the_more_the_more_it_is_roused_and_a_gust_is_brighter():
     def crest(samples: np.ndarray) -> float:
         """Of the band of claps, above the vowels, in the middle quarter of a second, as the whole has waves."""

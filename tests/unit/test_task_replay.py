@@ -125,6 +125,7 @@ def _key_frame(kept: Kept) -> int:
     return next(i for i, frame in enumerate(kept.frames) if frame.pressed)
 
 
+@pytest.mark.seconds
 def test_each_input_of_a_frame_counts(kept: Kept) -> None:
     key = _key_frame(kept)
     now_ns = kept.frames[key].now_ns

@@ -248,6 +248,7 @@ def test_the_waiting_page_fits(code: str, size: tuple[int, int], monkeypatch: py
     assert not summary(canvas.faults)
 
 
+@pytest.mark.seconds
 @in_every_language_and_window
 def test_the_launcher_fits(code: str, size: tuple[int, int], tmp_path: Path) -> None:
     cards, settings, hud = launcher_cards(tmp_path), launcher_settings(), page_canvas(size)

@@ -21,6 +21,7 @@ from mimics_app.lab.measure import measure
 TUNNEL = ("tunnel projection",)
 
 
+@pytest.mark.seconds
 def test_every_scenario_has_a_chart_of_its_tick_and_of_its_frame() -> None:
     assert len(GROUPS) == 6 and {kind for kind, _ in GROUPS.values()} == {"tick of ", "frame of "}
     registry = Registry()
@@ -45,6 +46,7 @@ def test_single_changes_run_what_the_planner_may_take_and_nothing_twice() -> Non
     assert len(changed) == len(set(changed)), "the same run under two names"
 
 
+@pytest.mark.seconds
 def test_a_worse_method_errs_on_the_same_hand_and_a_studys_own_plan_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(whole_scenes, "_FRAMES", 90)
     whole_scenes._reference.cache_clear()
