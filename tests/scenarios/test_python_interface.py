@@ -9,6 +9,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from tests.support.xvfb import display
 
 TUNNEL = root() / "scenes" / "wavy_tunnel.json"
 PAGE = root() / "docs" / "python.md"
+NOTEBOOK = root() / "examples" / "notebook" / "session_and_analysis.ipynb"
 
 
 def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -42,6 +44,22 @@ def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixt
     assert (names["paused"].done, names["wide"].done, names["wrong"].done) == (True, True, False)  # type: ignore[attr-defined]
     assert names["heard"].shape == pytest.approx((48_000, 2), abs=800)  # type: ignore[attr-defined]
     assert 'there is no setting "sed"; did you mean "seed"' in capsys.readouterr().out
+
+
+def test_the_notebook_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """But for its drawing: Matplotlib is the reader's own."""
+    drawing = Mock(subplots=Mock(return_value=(Mock(), (Mock(), Mock()))))
+    monkeypatch.setitem(sys.modules, "matplotlib", Mock(pyplot=drawing))
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", drawing)
+    monkeypatch.chdir(tmp_path)
+    cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
+    names: dict[str, object] = {}
+    for cell in cells:
+        if cell["cell_type"] == "code":
+            assert not cell["outputs"], "it is kept without what it printed"
+            exec(compile("".join(cell["source"]), str(NOTEBOOK), "exec"), names)
+    assert capsys.readouterr().out.count(", finished: ") == 3 and drawing.show.called  # the practice, too
+    assert names["contacts"].rows == sum(names["trials"]["contacts"]) > 0  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ class Table(Mapping[str, Quantity]):
         return {name: self[name].units for name in self} if self._units is None else dict(self._units)
 
     def where(self, **wanted: object) -> Table:
-        """Return the rows whose columns have these values, as `events.where(kind="contact")`.
+        """Return the rows whose columns have these values, as `events.where(kind="contact_begin")`.
 
         Raises:
             UsageError: There is no column of such a name.
