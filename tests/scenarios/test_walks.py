@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths.gait_series import natural_cadence
+from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSpec, SectionSpec
 from mimics_app.tasks.kinds.city_walk.kind import Walked
 from mimics_app.tasks.scene_section import check_section, task_of
 from mimics_app.tasks.score import trial_points
@@ -208,3 +210,22 @@ def test_in_the_orthosis_too_who_walks_better_scores_more(walk: str) -> None:
             score = task_of(session.scene).score
             scores.append(trial_points(score, dict(session.task), finished=True))
     assert scores[0] > scores[1] + 5.0 > scores[2] + 10.0 > 30.0, scores
+
+
+def test_who_leans_over_the_edge_hears_what_to_do() -> None:
+    """Before the fall, and after it: the hand that stays aside would only make them fall again."""
+    spec = CanyonWalkSpec("person", "beam", calm=True, sections={"": SectionSpec(30.0, 60.0)})
+    play = CanyonWalkPlay(spec, 1)
+    said: list[str] = []
+    seen = SimpleNamespace(hip_world=(0.0, 0.0, 0.0), grasp=0.0, pressed=(), now_ns=0)
+    play.begin_trial("", 0)
+    play.start_attempt(seen)  # type: ignore[arg-type]
+    seen.hip_world = (0.1, 0.1, 0.0)  # up, and to the right
+    while not play.measures["falls"] and len(said) < 600:
+        play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
+        said.append(play.prompt)
+    assert "The edge is near: lean to the left" in said
+    assert said[-1] == "Never mind. You are back on the beam: move the hand back to the middle"
+    seen.hip_world = (0.0, 0.1, 0.0)
+    play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
+    assert play.prompt == "Never mind. You are back on the beam: breathe, then raise the hand"

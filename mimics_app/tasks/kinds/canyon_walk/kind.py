@@ -63,6 +63,19 @@ _AGAINST = {
     "head": (phrase("A gust from the left: look to the left"), phrase("A gust from the right: look to the right")),
 }
 """What to do against a gust from the left and from the right, by what steers."""
+_AT_EDGE = {
+    "hand": (phrase("The edge is near: lean to the left"), phrase("The edge is near: lean to the right")),
+    "hips": (
+        phrase("The edge is near: swing the right leg further"),
+        phrase("The edge is near: swing the left leg further"),
+    ),
+    "head": (phrase("The edge is near: look to the left"), phrase("The edge is near: look to the right")),
+}
+"""What to do near the right edge and near the left one, by what steers."""
+_EDGE_NEAR = 0.16
+"""Distance of a person's middle from the edge of the beam within which it is near [m]."""
+_ASIDE = 0.2
+"""Deflection of the hand from which on it is aside."""
 _GUST_FROM = 4.0
 """Distance aside from which a gust is heard [m]."""
 
@@ -245,6 +258,8 @@ class CanyonWalkPlay(KindPlay):
         crossing = self._crossing
         if crossing.rests and self.led:
             return phrase("Never mind. You are back on the beam: breathe, then walk on")
+        if crossing.rests and abs(self._throttle.aside) > _ASIDE and self._steered_by == "hand":
+            return phrase("Never mind. You are back on the beam: move the hand back to the middle")
         if crossing.rests:
             return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
         if self._orthosis is None and crossing.walker.speed < STANDS:
@@ -254,6 +269,9 @@ class CanyonWalkPlay(KindPlay):
         push, steers = crossing.wind.push, self._steered_by
         if steers and abs(push) >= _GUST_SAID:
             return _AGAINST[steers][int(push < 0.0)]
+        beam, aside = crossing.beam, crossing.walker.x
+        if steers and beam.carries(crossing.along) and abs(aside) > 0.5 * beam.width - _EDGE_NEAR:
+            return _AT_EDGE[steers][int(aside < 0.0)]
         return self._encouragement.words
 
     @property
