@@ -78,7 +78,7 @@ _SLOW = 6
 _BEAT = 60
 """Passes between two signs of life to the process that serves STOP."""
 _BEFORE = ("choices", "people", "check", "form")
-"""Requests before a session; each tells of studies and their participants."""
+"""Requests before a session; each is about studies and their participants."""
 _MOST_CLIENTS = 16
 _NO_TICKS = message(TELEMETRY, b"")
 """Sign of life while the loop makes no ticks."""

@@ -65,7 +65,7 @@ def recover(folder: Path) -> Recovery:
     with `.damaged`. A run that was closed and needs no repair is not changed.
 
     Raises:
-        SceneError: It is no run folder, or its session is under way: the recorder would write to files that are gone.
+        SceneError: It is not a run folder, or its session is active: the recorder would write to files that are gone.
     """
     before = Run.open(folder)
     if before.being_recorded:

@@ -228,7 +228,7 @@ def write_report(folder: Path, sections: Sequence[ReportSection]) -> Path:
         sections: Sections of the kinds of task; the first that takes the run describes its movement.
 
     Raises:
-        SceneError: It is no run folder.
+        SceneError: It is not a run folder.
         OSError: The folder cannot be written.
     """
     run = Run.open(folder)

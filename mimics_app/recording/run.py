@@ -121,7 +121,7 @@ class Run:
         """Open a run folder, also one that was never closed, is damaged, or is of another version.
 
         Raises:
-            SceneError: It is no run folder.
+            SceneError: It is not a run folder.
         """
         folder = Path(folder)
         if not any(os.path.lexists(folder / FILES[key]) for key in _MARKS):

@@ -23,8 +23,9 @@ from mimics_app.rendering.haptic.descriptors.leg import LEG
 from mimics_app.rendering.haptic.devices.registry import build_device
 from mimics_app.rendering.haptic.devices.simulated_leg import read_legs, write_legs
 from mimics_app.rendering.haptic.kernels import leg_machine as machine
+from mimics_app.rendering.haptic.kernels import two_link
 from mimics_app.rendering.haptic.kernels.leg_kinematics import leg_jacobian, leg_joints, place_foot
-from mimics_app.rendering.haptic.kernels.leg_machine import energy_of, order_leg, step_leg
+from mimics_app.rendering.haptic.kernels.leg_machine import order_leg, step_leg
 from mimics_app.world.components.robot import Patient, Robot
 
 GEOMETRY = LEG.geometry_of(Robot())
@@ -92,6 +93,13 @@ def _machine(mode: str = "torque", **settings: float) -> np.ndarray:
     leg[machine.DRIVE_DAMPING] = leg[machine.PERSON] = leg[machine.PERSON + 1] = 0.0
     leg[machine.JOINT_MIN : machine.JOINT_MIN + 2], leg[machine.JOINT_MAX : machine.JOINT_MAX + 2] = -9.0, 9.0
     return leg
+
+
+@kernel
+def energy_of(leg):
+    """Kinetic and potential energy of leg and drives [J]; 0 in the standing pose at rest."""
+    links = leg[machine.THIGH_LENGTH : machine.THIGH_LENGTH + two_link.LINKS]
+    return two_link.energy(links, leg[machine.Q], leg[machine.Q + 1], leg[machine.DQ], leg[machine.DQ + 1])
 
 
 @kernel

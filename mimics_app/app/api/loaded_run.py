@@ -116,6 +116,6 @@ def load(run: Path | str) -> Recording:
         The recording; `problems` lists what it lacks.
 
     Raises:
-        SceneError: It is no run folder.
+        SceneError: It is not a run folder.
     """
     return Recording(Run.open(run))

@@ -93,7 +93,7 @@ class Frames:
         safety: Stops and holds of the loop.
         events: EVENT records of the haptic loop since the previous frame.
         timer: Timer of the frame's stages.
-        timing: When the next frame is displayed; None where no display tells.
+        timing: When the next frame is displayed; None where no display reports it.
         signals: Blocks of body signals of the newest frame.
     """
 

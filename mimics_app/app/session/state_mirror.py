@@ -1,4 +1,4 @@
-"""What a session tells its mirrors: each frame, the rows of its world that differ from the scene as built."""
+"""What a session publishes to its mirrors: each frame, the rows of its world that differ from the scene as built."""
 
 from __future__ import annotations
 

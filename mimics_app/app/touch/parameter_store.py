@@ -239,7 +239,7 @@ class ParameterStore:
                 record[field] = value
 
     def _check(self, name: str, value: object, may: Mapping[str, Range]) -> None:
-        """Refuse a name that may not be written, and a value that is no number or outside its range."""
+        """Refuse a name that may not be written, and a value that is not a number or outside its range."""
         if name in LIMIT_NAMES:
             raise UsageError(f'"{name}" is a limit of the haptic loop, set once at the start', 'set it under "safety"')
         records, field = self._find(name)

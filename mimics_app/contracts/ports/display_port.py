@@ -131,7 +131,7 @@ class FrameTiming:
 
     @classmethod
     def expected(cls, now_ns: int) -> FrameTiming:
-        """Return the timing of a frame that nothing tells of: shown a sixtieth of a second after it is begun."""
+        """Return the timing of a frame that no display reports: shown a sixtieth of a second after it is begun."""
         return cls(now_ns + FRAME_NS, LONGEST_FRAME_NS)
 
 

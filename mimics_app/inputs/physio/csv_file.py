@@ -66,7 +66,7 @@ class CsvFile:
         """Yield some columns as float64, NaN where a cell is empty, a batch of rows at a time.
 
         Raises:
-            SceneError: A row has another number of columns, or a cell is no number.
+            SceneError: A row has another number of columns, or a cell is not a number.
         """
         import pyarrow as pa
         from pyarrow import csv as arrow_csv

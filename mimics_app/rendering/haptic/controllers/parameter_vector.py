@@ -59,7 +59,7 @@ def changed_components(controller: ControllerPlugin, name: str, value: float) ->
     """Return what one value of a parameter changes while a session runs, the nearest one that its limits allow.
 
     Raises:
-        UsageError: The controller has no such parameter, or the value is no number.
+        UsageError: The controller has no such parameter, or the value is not a number.
     """
     known = {each.name: each for each in controller.parameters}
     if name not in known:

@@ -49,7 +49,6 @@ __all__ = [
     "TICK",
     "TORQUE_MAX",
     "Q",
-    "energy_of",
     "order_leg",
     "sense_leg",
     "step_leg",
@@ -127,12 +126,6 @@ def order_leg(leg: Vec, command: Vec, enabled: bool) -> None:
 def _links(leg: Vec) -> Vec:
     """Record of the two links, shape [two_link.LINKS]."""
     return leg[_LINKS : _LINKS + two_link.LINKS]
-
-
-@kernel
-def energy_of(leg: Vec) -> float:
-    """Kinetic and potential energy of leg and drives [J]; 0 in the standing pose at rest."""
-    return two_link.energy(_links(leg), leg[Q], leg[Q + 1], leg[DQ], leg[DQ + 1])
 
 
 @kernel

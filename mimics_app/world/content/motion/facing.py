@@ -19,7 +19,7 @@ _SIDES = ("left", "right")
 
 
 def facing(places: F8, slots: Mapping[str, int]) -> float | None:
-    """Return the yaw in which a person looks [rad], 0: along +z, pi: along -z; None where nothing tells.
+    """Return the yaw in which a person looks [rad], 0: along +z, pi: along -z; None where no bone shows it.
 
     Toes lie before ankles. Without toes the left hip and shoulder lie to the left of the right ones.
 

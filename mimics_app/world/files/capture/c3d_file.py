@@ -74,7 +74,7 @@ def read_c3d(path: Path) -> MarkerTake:
         explained = isinstance(error, ValueError | OSError | EOFError | AssertionError) and str(error)
         why = first_line(error) if explained else "it is damaged, or of an unknown kind of processor"
         raise SceneError(Issue(str(path), "", f"is not a readable C3D file: {why}")) from error
-    with np.errstate(all="ignore"):  # a damaged place is no number; it counts as not seen
+    with np.errstate(all="ignore"):  # a damaged place is not a number; it counts as not seen
         return _taken(str(path), names, frames, rate, unit.lower(), screen)
 
 
