@@ -15,7 +15,7 @@ from mimics_app.rendering.haptic.kernels import arm
 from mimics_app.rendering.haptic.kernels.arm import step_arm
 from mimics_app.rendering.haptic.kernels.noise import seed_noise
 from mimics_app.tasks.kinds.calibration.grip_step import OPEN, GripStep
-from mimics_app.tasks.kinds.calibration.kind import Wish, wish_of
+from mimics_app.tasks.kinds.calibration.kind import WalkingStep, Wish, wish_of
 from mimics_app.tasks.kinds.calibration.question_step import HearingStep, ReadingStep
 from mimics_app.tasks.kinds.calibration.range_step import RangeStep
 from mimics_app.tasks.kinds.calibration.spec import CalibrationSpec
@@ -62,6 +62,23 @@ def drawn(seed: int) -> Impairment:
     )
 
 
+def pace_of(seed: int) -> float:
+    """Comfortable speed of a person on the belt [m/s]."""
+    return float(np.random.default_rng([seed, 39]).uniform(0.25, 1.6))
+
+
+def walked(seed: int) -> float:
+    """Speed that is found of a person who sets out at 0.4 m/s^2 and whose speed sways with each stride."""
+    rng, step, now, belt, speed = np.random.default_rng([seed, 40]), WalkingStep(SPEC, ""), 0.0, 0.0, 0.0
+    pace, sway, stride = pace_of(seed), float(rng.uniform(0.02, 0.12)), float(rng.uniform(0.5, 1.1))
+    while not step.done:
+        step.take(Seen(now, now + SHOWN_S, (0.0, 0.0, 0.0), 0.0, belt), FRAME_S)
+        wanted = pace * (1.0 + sway * math.sin(2.0 * math.pi * stride * now) + 0.02 * float(rng.standard_normal()))
+        speed += max(-0.4 * FRAME_S, min(0.4 * FRAME_S, wanted - speed))
+        belt, now = belt + speed * FRAME_S, now + FRAME_S
+    return step.measures[0].value
+
+
 def measured(person: Impairment, seed: int) -> dict[str, float]:
     """Every measure of a person, from steps that are played one after the other."""
     steps: list[Step] = [
@@ -99,6 +116,12 @@ def check(seed: int) -> None:
     assert found["hearing_left"] == pytest.approx(person.hearing_left, abs=1.0), seed
     assert found["hearing_right"] == pytest.approx(person.hearing_right, abs=1.0), seed
     assert found["letter"] == pytest.approx(person.letter, rel=WITHIN), seed
+
+
+@pytest.mark.parametrize("people", [PEOPLE, pytest.param(100, marks=pytest.mark.slow)])
+def test_the_walking_speed_is_found_from_the_way_of_the_belt(people: int) -> None:
+    worst = max(abs(walked(seed) / pace_of(seed) - 1.0) for seed in range(people))
+    assert worst <= WITHIN
 
 
 def release_of(person: Impairment) -> float:
