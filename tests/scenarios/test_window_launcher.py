@@ -28,6 +28,8 @@ from tests.support.xvfb import display
 pytestmark = pytest.mark.slow
 
 _PATIENCE_S = 150.0
+_CALIBRATES_S = 1200.0
+"""A calibration takes seven minutes, and kernels may be compiled before."""
 
 
 class Person:
@@ -53,9 +55,9 @@ class Person:
         picture.save(self.folder / "pictures" / f"{name}.png")
         return np.asarray(picture)
 
-    def wait(self, what: str, condition: Callable[[], bool], press: str = "") -> None:
+    def wait(self, what: str, condition: Callable[[], bool], press: str = "", patience_s: float = _PATIENCE_S) -> None:
         """Wait for something; a key that nobody heard is pressed again meanwhile, as a person would."""
-        end = time.monotonic() + _PATIENCE_S
+        end = time.monotonic() + patience_s
         while not condition():
             assert self.process.poll() is None, f"the application ended while waiting for {what}"
             assert time.monotonic() < end, f"no {what}"
@@ -167,6 +169,68 @@ def test_from_the_launcher_to_the_result_again_and_to_another_scene(tmp_path: Pa
     assert [each["settings"]["trials"] for each in headers] == [1] * 3
     first = json.loads(sorted((tmp_path / "runs").glob("*/manifest.json"))[0].read_text())["summary"]["task"]
     assert (first["completed"], first["trials"]) == (1, 1), "the simulated patient came to the end"
+
+
+def test_a_left_sided_patient_is_calibrated_plays_and_has_a_report_in_german(tmp_path: Path) -> None:
+    """From the participants' page to the report, by keys alone; the simulated patient plays in real time."""
+    kept = tmp_path / "participants" / "sub-P07"
+
+    def there(pattern: str, count: int = 1) -> bool:
+        return len(list(kept.glob(f"ses-001/{pattern}"))) == count
+
+    def outcomes() -> int:
+        return (kept / "ses-001" / "journal.jsonl").read_text().count('"outcome"')
+
+    with at_the_launcher(tmp_path) as person:
+        person.do("type", "wavy")
+        person.keys("Right", *_on_to(SIMULATED), "Down", "Down", "Down", "Right", "F2")  # German
+        time.sleep(2.0)
+        person.do("type", "P07")
+        person.keys("Return")
+        person.wait("participant", kept.exists)
+        time.sleep(2.0)
+        person.sees("1_participant")
+        person.keys("Down", "Down", "Return")
+        time.sleep(2.0)
+        person.do("type", "61")
+        person.keys("Down", "Right", "Right", "Down", "Right", "Right", "Down")  # right-handed, left side affected
+        person.sees("2_form")
+        person.keys("Return")
+        person.wait("answers", (kept / "answers.jsonl").exists)
+        time.sleep(2.0)
+        person.keys(*["Down"] * 5, "Return")
+        time.sleep(2.0)
+        person.keys("Right", "Right", "Escape")
+        person.wait("language", lambda: '"de"' in (kept.parent / "participants.jsonl").read_text())
+        time.sleep(2.0)
+        person.keys(*["Up"] * 7, "Return")
+        person.wait("calibration", lambda: there("run-000-1/*/report.html"), patience_s=_CALIBRATES_S)
+        time.sleep(3.0)
+        person.sees("3_calibrated")
+        person.wait("what was measured", lambda: outcomes() == 1, press="c")
+        time.sleep(3.0)
+        person.sees("4_curves")
+        person.wait("tunnel", lambda: there("run-001-1"), press="Return")
+        person.wait("result", lambda: there("run-001-1/*/report.html"), patience_s=2.0 * _PATIENCE_S)
+        time.sleep(3.0)
+        person.sees("5_result")
+        person.wait("its outcome", lambda: outcomes() == 2, press="c")
+        time.sleep(3.0)
+        person.keys(*["Down"] * 6, "Return")
+        person.wait("report", (tmp_path / "opened").exists)
+        person.sees("6_report")
+    page = (kept / "participant.html").read_text(encoding="utf-8")
+    assert 'lang="de"' in page and "Welliger Tunnel" in page and "Griffkraft" in page and "Glätte" in page
+    (calibration,) = map(json.loads, (kept / "calibrations.jsonl").read_text().splitlines())
+    measures = {name: each["value"] for name, each in calibration["calibration"]["measures"].items()}
+    assert measures["reach_left"] == pytest.approx(0.17, rel=0.1), "as the person of the scene is made"
+    assert measures["reach_up"] == pytest.approx(0.10, rel=0.1) and measures["grip"] == pytest.approx(28.0, rel=0.2)
+    (header,) = kept.glob("ses-001/run-001-1/*/session.json")
+    settings = json.loads(header.read_text())["settings"]
+    assert (settings["side"], settings["language"]) == ("left", "de") and settings["fit"].endswith("fit.json")
+    (journal,) = kept.glob("ses-001/run-001-1/*/events.jsonl")
+    fitted = [line for line in map(json.loads, journal.read_text().splitlines()) if line["kind"] == "fitted"]
+    assert {line["name"] for line in fitted} >= {"paths", "squeeze"}
 
 
 def test_a_wrong_port_is_reported_and_repaired(tmp_path: Path) -> None:
