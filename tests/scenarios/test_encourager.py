@@ -72,3 +72,15 @@ def test_who_is_not_wanted_is_neither_drawn_nor_moved(tmp_path: Path) -> None:
 def test_a_clip_that_the_model_lacks_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r'components/encourager/praise/1.*no clip "clapp"'):
         load_checked_scene(_reported(tmp_path, praise=["wave", "clapp"]))
+
+
+@pytest.mark.parametrize(
+    ("name", "who"), [("city_walk", "companion"), ("canyon_walk", "encourager"), ("soccer", "encourager")]
+)
+def test_somebody_encourages_on_a_walk(name: str, who: str) -> None:
+    """The companion of the city, too, who walks beside the person meanwhile."""
+    scene = load_checked_scene(root() / "scenes" / f"{name}.json")
+    world = build_world(scene)
+    machine = world.motion.machines[world.find(who).index]
+    shown = [machine.state for cause in ("ready", "goal", "timeout", "goal", "done") if machine.trigger(cause)]
+    assert shown == ["greet", "praise 0", "console", "cheer", "farewell"]
