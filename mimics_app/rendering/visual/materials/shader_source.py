@@ -5,19 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 
 from mimics_app.contracts.errors import Issue, SceneError
 
 __all__ = ["PixelInputs", "ShaderFile", "ShaderLine", "ShaderSource", "read_shader_file", "stamp_of"]
 
-_DIRECTIVE = "#include"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
 _VERSION = "#version 430 core"
-
-_MOST_FILES = 256
-"""Number of shader files kept, about twice those there are."""
 
 
 class ShaderLine:
@@ -26,7 +21,7 @@ class ShaderLine:
     __slots__ = ("included", "place", "text")
 
     def __init__(self, text: str, place: tuple[Path, int]) -> None:
-        match = _INCLUDE.match(text) if _DIRECTIVE in text else None
+        match = _INCLUDE.match(text)
         self.text, self.place, self.included = text, place, match[1] if match else ""
 
 
@@ -36,7 +31,7 @@ class ShaderFile:
 
     path: Path
     stamp: int
-    lines: tuple[ShaderLine, ...]
+    lines: list[ShaderLine]
 
 
 class ShaderSource:
@@ -101,16 +96,10 @@ def read_shader_file(path: Path, included_by: str) -> ShaderFile:
     """
     stamp = stamp_of(path)
     try:
-        return _read_lines(path, stamp)
+        lines = path.read_text(encoding="utf-8").splitlines()
     except OSError as error:
         raise SceneError(Issue(str(path), "", f"cannot be read for {included_by}: {error.strerror}")) from error
-
-
-@lru_cache(maxsize=_MOST_FILES)
-def _read_lines(path: Path, stamp: int) -> ShaderFile:
-    """Return a file as it was at `stamp`: every renderer of a process reads the same ones."""
-    lines = path.read_text(encoding="utf-8").splitlines()
-    return ShaderFile(path, stamp, tuple(ShaderLine(line, (path, k)) for k, line in enumerate(lines, start=1)))
+    return ShaderFile(path, stamp, [ShaderLine(line, (path, k)) for k, line in enumerate(lines, start=1)])
 
 
 def stamp_of(path: Path) -> int:
