@@ -9,6 +9,7 @@ import json
 import os
 import shlex
 import socket
+import subprocess
 import sys
 import threading
 from dataclasses import replace
@@ -22,6 +23,7 @@ import pytest
 
 from assets.builders.texts.msgids import page_texts
 from mimics_app.app.cli import parse
+from mimics_app.app.commands.console import _lives
 from mimics_app.app.picture.around_hand import AROUND
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.console import page_server
@@ -234,6 +236,19 @@ def test_a_display_that_is_listed_can_be_chosen(monkeypatch: pytest.MonkeyPatch)
     written = msgspec.json.encode({"scene": "wavy_tunnel", "display": long})
     assert msgspec.json.decode(written, type=Choice).display == long
     assert parse(start_words(Choice("wavy_tunnel", display=long))).display == long
+
+
+def test_a_run_that_ended_lives_no_more_though_its_parent_has_not_asked() -> None:
+    """Its parent may wait for the end of what the page writes, and the page for the end of the run: for ever."""
+    run = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert run.stdin is not None and run.stdout is not None and _lives(run.pid)
+    run.stdin.close()
+    run.stdout.read()
+    os.waitid(os.P_PID, run.pid, os.WEXITED | os.WNOWAIT)
+    assert not _lives(run.pid)
+    run.stdout.close()
+    run.wait()
+    assert not _lives(run.pid)
 
 
 def test_a_client_is_held_to_new_numbers_and_to_its_rate() -> None:
