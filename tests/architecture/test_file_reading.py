@@ -16,6 +16,7 @@ OWN_DATA = {
     "app/bench/process_faults.py": "tests of the checkout",
     "app/bench/record_bench.py": "/proc",
     "app/commands/completion.py": "package data",
+    "app/commands/console.py": "/proc",
     "app/commands/desktop.py": "package data",
     "app/play/scene_sheet.py": "drawn by itself",
     "app/play/thumbnails.py": "drawn by itself",
