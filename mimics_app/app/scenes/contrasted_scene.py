@@ -60,7 +60,22 @@ def contrasted(document: Mapping[str, Any]) -> _Plain:
 
 
 def _by_components(document: _Plain) -> None:
-    """Give what the task names, and what is felt, the colours of its role, and dim all else."""
+    """Give what the task names, and what is felt, the colours of its role, and dim all else; without such, nothing."""
+    roles = _roles_of(document)
+    drawn = [entity for entity in document["entities"] if entity["id"] in roles and "mesh" in entity["components"]]
+    if not drawn:  # people are looked at: they have no role, and would not be seen
+        return
+    materials = document.setdefault("materials", {})
+    for number, entity in enumerate(drawn):
+        role = roles[entity["id"]]
+        name = entity["components"]["mesh"]["material"] = f"contrast_{role}_{number % 2}"
+        materials[name] = _material(_OTHER if role == "target" and number % 2 else _COLOURS[role])
+    for entity in document["entities"]:
+        _dim(entity["components"])
+
+
+def _roles_of(document: _Plain) -> dict[str, Role]:
+    """Return the role of each entity that has one, and of those below it."""
     named = _named_by((document.get("task") or {}).values())
     hands = _named_by(entity["components"].get("grasping_hand") for entity in document["entities"])
     roles: dict[str, Role] = {}
@@ -75,13 +90,7 @@ def _by_components(document: _Plain) -> None:
             own.append(roles[entity["parent"]])
         if own and not components.keys() & _PEOPLE:
             roles[entity["id"]] = own[0]
-            if "mesh" in components:
-                components["mesh"]["material"] = _name(own[0], len(roles) % 2)
-        _dim(components)
-    for role in set(roles.values()):
-        for number in (0, 1):
-            colour = _OTHER if role == "target" and number else _COLOURS[role]
-            document.setdefault("materials", {})[_name(role, number)] = _material(colour)
+    return roles
 
 
 def _named_by(values: Iterable[object]) -> set[str]:
@@ -104,10 +113,6 @@ def _dim(components: _Plain) -> None:
         ambient = _DIMMED * surroundings.get("ambient", Environment().ambient)
         surroundings |= {"zenith": _DARK, "horizon": _DARK, "ground": _DARK, "ambient": ambient}
         surroundings.pop("backdrop", None)
-
-
-def _name(role: Role, number: int) -> str:
-    return f"contrast_{role}_{number}"
 
 
 def _material(colour: tuple[float, ...]) -> _Plain:
