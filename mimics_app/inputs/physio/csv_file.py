@@ -136,7 +136,10 @@ class CsvFile:
             text = line.removeprefix(_BOM).decode("latin-1")
         text = text.strip("\r\n")
         self._separator = max(_SEPARATORS, key=text.count)
-        labels = next(csv.reader([text], delimiter=self._separator), [])
+        try:
+            labels = next(csv.reader([text], delimiter=self._separator), [])
+        except csv.Error as error:
+            raise self._refused(error) from error
         if not labels or len(labels) > _MOST_COLUMNS:
             what = "it is empty" if not labels else f"it has more than {_MOST_COLUMNS} columns"
             raise SceneError(Issue(str(self._path), "", what))
