@@ -82,6 +82,9 @@ def test_steps_in_a_room_are_the_way_ahead_and_turning_at_the_wall_is_not() -> N
     for _ in range(60):
         steps.read(None, FRAME)
     assert steps.speed == 0.0, "who is not tracked stands"
+    for z in (0.0, -1.5, -1.5):
+        steps.read(HeadPlace(0.0, z, 0.0), FRAME)
+        assert steps.speed == 0.0, "a tracker that jumps walks nobody"
 
 
 def test_a_tracked_walker_crosses_and_the_run_replays(tmp_path: Path) -> None:

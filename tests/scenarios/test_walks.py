@@ -18,6 +18,7 @@ from mimics_app.app.scenes.stage_checks import check_features
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.errors import SceneError
 from mimics_app.contracts.loop.haptic import SafetyState
+from mimics_app.contracts.messages.head_place import HeadPlace
 from mimics_app.contracts.system.resources import root
 from mimics_app.maths.gait_series import natural_cadence
 from mimics_app.tasks.kinds.canyon_walk.kind import CanyonWalkPlay, CanyonWalkSpec, SectionSpec
@@ -229,3 +230,21 @@ def test_who_leans_over_the_edge_hears_what_to_do() -> None:
     seen.hip_world = (0.0, 0.1, 0.0)
     play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
     assert play.prompt == "Never mind. You are back on the beam: breathe, then raise the hand"
+
+
+def test_who_walks_in_a_room_is_not_told_of_a_hand() -> None:
+    spec = CanyonWalkSpec("person", "beam", calm=True, room_gain=2.0, sections={"": SectionSpec(30.0, 60.0)})
+    play, x, z = CanyonWalkPlay(spec, 1), 0.0, 0.0
+    seen = SimpleNamespace(hip_world=(0.0, 0.0, 0.0), grasp=0.0, pressed=(), now_ns=0, head=HeadPlace(x, z, 0.0))
+    play.begin_trial("", 0)
+    play.start_attempt(seen)  # type: ignore[arg-type]
+    for _ in range(600):
+        seen.head = HeadPlace(x, z, 0.0)
+        play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
+        if play.measures["falls"]:
+            break
+        x, z = 0.3, z - 0.01
+    assert play.prompt == "Never mind. You are back on the beam: step back to where you began"
+    seen.head = HeadPlace(0.0, z, 0.0)
+    play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
+    assert play.prompt == "Never mind. You are back on the beam: breathe, then walk on"

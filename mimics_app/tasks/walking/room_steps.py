@@ -25,6 +25,8 @@ _SMOOTH_S = 0.3
 """Time constant of the speed [s]: less than a step, more than the noise of a tracker."""
 _STILL = 0.12
 """Speed of the head that counts as standing [m/s]: beyond that of one who sways in place."""
+_JUMP = 0.4
+"""Way of the head from one frame to the next beyond which a tracker has found it anew, and nobody has walked [m]."""
 _BESIDE, _FULL = 0.05, 0.25
 """Displacements of the head aside up to which it counts as in the middle, and from which it is fully aside [m]."""
 
@@ -58,7 +60,8 @@ class RoomSteps:
         if head is not None:
             if before is not None and seconds > 0.0:
                 x, z = head.x - before.x, head.z - before.z
-                ahead = (-x * math.sin(head.yaw) - z * math.cos(head.yaw)) / seconds
+                if math.hypot(x, z) < _JUMP:
+                    ahead = (-x * math.sin(head.yaw) - z * math.cos(head.yaw)) / seconds
             self._middle = head.x if self._middle is None else self._middle
             moved = head.x - self._middle
             beyond = min(max(abs(moved) - _BESIDE, 0.0) / (_FULL - _BESIDE), 1.0)

@@ -75,7 +75,7 @@ _AT_EDGE = {
 _EDGE_NEAR = 0.16
 """Distance of a person's middle from the edge of the beam within which it is near [m]."""
 _ASIDE = 0.2
-"""Deflection of the hand from which on it is aside."""
+"""Deflection of the hand, or of a person in a room, from which on it is aside."""
 _GUST_FROM = 4.0
 """Distance aside from which a gust is heard [m]."""
 
@@ -256,12 +256,8 @@ class CanyonWalkPlay(KindPlay):
     @property
     def prompt(self) -> str:
         crossing = self._crossing
-        if crossing.rests and self.led:
-            return phrase("Never mind. You are back on the beam: breathe, then walk on")
-        if crossing.rests and abs(self._throttle.aside) > _ASIDE and self._steered_by == "hand":
-            return phrase("Never mind. You are back on the beam: move the hand back to the middle")
         if crossing.rests:
-            return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
+            return self._after_fall()
         if self._orthosis is None and crossing.walker.speed < STANDS:
             if self._spec.room_gain is not None:
                 return WALK_IN_ROOM
@@ -273,6 +269,17 @@ class CanyonWalkPlay(KindPlay):
         if steers and beam.carries(crossing.along) and abs(aside) > 0.5 * beam.width - _EDGE_NEAR:
             return _AT_EDGE[steers][int(aside < 0.0)]
         return self._encouragement.words
+
+    def _after_fall(self) -> str:
+        """Return what to do after a fall: whoever stays aside would fall again."""
+        in_room = self._spec.room_gain is not None
+        if self._steered_by == "hand" and abs(self._throttle.aside) > _ASIDE:
+            if in_room:
+                return phrase("Never mind. You are back on the beam: step back to where you began")
+            return phrase("Never mind. You are back on the beam: move the hand back to the middle")
+        if self.led or in_room:
+            return phrase("Never mind. You are back on the beam: breathe, then walk on")
+        return phrase("Never mind. You are back on the beam: breathe, then raise the hand")
 
     @property
     def measures(self) -> Values:
@@ -311,7 +318,7 @@ class CanyonWalkPlay(KindPlay):
 
     @property
     def _steered_by(self) -> str:
-        """What leans: one of `_AGAINST`; "" for nothing, who is led in their line."""
+        """What leans: one of `_AGAINST`, "hand" also for who steps aside in a room; "" for nothing, in a line."""
         heading = self._spec.heading
         if heading == "head" or (self.led and heading == "hips"):
             return heading
