@@ -158,14 +158,15 @@ def test_a_participant_is_fitted_unless_told_not_to(
     study = usual_study(tmp_path)
     study.write_calibration(study.find_or_add("P07"), 1, calibration())
 
-    def config(*words: str) -> dict[str, list[str]]:
-        assert cli.main(["config", "wavy_tunnel", "--headless", "--participant", "P07", *words, "--json"]) == 0
+    def config(*words: str, scene: str = "wavy_tunnel") -> dict[str, list[str]]:
+        assert cli.main(["config", scene, "--headless", "--participant", "P07", *words, "--json"]) == 0
         settings = json.loads(capsys.readouterr().out)["settings"]
         return {section: [each["origin"] for each in settings if section in (each["section"], each["name"])]
                 for section in ("fit", "fitted")}  # fmt: skip
 
     assert config() == {"fit": ["participant P07"], "fitted": ["calibration run_7"] * 4}
     assert config("--fit", "none") == {"fit": ["command line"], "fitted": []}
+    assert config(scene="calibration") == {"fit": ["default"], "fitted": []}
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,7 @@ def test_who_can_be_chosen_is_known_to_a_study_that_can_be_chosen_or_to_a_record
     (tmp_path / "damaged" / "study.json").write_text("{")
     study = StudyFolder(tmp_path / "gait")
     study.find_or_add("P07"), study.find_or_add("=cmd 007"), study.of_name("Jane Roe")
-    for number, code in enumerate(("P07", "P09", "", "P10", "P09")):
+    for number, code in enumerate(("P07", "P09", "", "P10", "P09", "Jane Roe", "P1\x1b[31m")):
         run = tmp_path / "runs" / f"2026010{number}T000000Z_0"
         run.mkdir(parents=True)
         (run / "session.json").write_text(json.dumps({"scene": {"name": "s"}, "settings": {"participant": code}}))

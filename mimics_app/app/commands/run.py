@@ -303,12 +303,13 @@ def take_participants(args: argparse.Namespace) -> None:
 
 
 def _own_fit(args: argparse.Namespace) -> Path | None:
-    """Return the newest calibration of the participant, None where there is none."""
+    """Return the newest calibration of the participant, None where there is none, or the scene is a calibration."""
     if not args.participant:
         return None
     from mimics_app.app.study.studies import fit_of_code
+    from mimics_app.app.study.study_runs import CALIBRATION
 
-    found = fit_of_code(args.participant, args.runs)
+    found = None if args.scene.stem == CALIBRATION else fit_of_code(args.participant, args.runs)
     if found is not None:
         say(f"fitted to the calibration of {args.participant} ({found}); --fit none leaves the scene as it is")
     return found

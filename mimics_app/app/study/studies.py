@@ -13,6 +13,7 @@ from mimics_app.app.study.forms import SHIPPED_FORMS
 from mimics_app.app.study.own_bodies import OwnBody, own_body_of
 from mimics_app.app.study.study_folder import Participant, StudyFolder
 from mimics_app.app.study.study_runs import CALIBRATION
+from mimics_app.app.terminal.participant import why_no_code
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.calibration_record import newest_of
 from mimics_app.recording.calibrations import calibration_of
@@ -50,9 +51,10 @@ def codes_in(study: Path) -> list[str]:
 
 
 def recorded_codes(runs: Path) -> list[str]:
-    """Return the codes of the participants of the newest run folders in a folder, the last one first."""
+    """Return the codes of the participants of the newest run folders, the last one first, without what is no code."""
     headers = (read_session(folder)[0] for folder in _newest_runs(runs))
-    return [code for code in dict.fromkeys(played_by(header)[1] for header in headers) if code]
+    codes = dict.fromkeys(played_by(header)[1] for header in headers)
+    return [code for code in codes if code and not why_no_code(code)]
 
 
 def usual_study(folder: Path) -> StudyFolder:
