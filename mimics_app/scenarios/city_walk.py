@@ -18,7 +18,7 @@ from mimics_app.scenarios.figures.path_figure import GroundPath, PathFigure
 from mimics_app.scenarios.figures.walking_figure import below, see_past_head
 from mimics_app.scenarios.parts.touch_scene import TouchScene
 from mimics_app.scenarios.parts.weather import WEATHER, Weather
-from mimics_app.tasks.kinds.city_walk.kind import ALONG, OPENED, SPEED, STOPPED, TAPPING, CityWalkSpec
+from mimics_app.tasks.kinds.city_walk.kind import ALONG, LOOKS, OPENED, SPEED, STOPPED, TAPPING, CityWalkSpec
 from mimics_app.tasks.kinds.city_walk.street_obstacles import StreetObstacle
 from mimics_app.tasks.scene_section import section_of
 from mimics_app.tasks.walking.walker import PERSON
@@ -94,7 +94,7 @@ class CityWalk(TouchScene):
         spec = section_of(scene, CityWalkSpec)
         paths = {name: GroundPath(path) for name, path, _ in scene.components(WalkingPath)}
         walkers = {name: walker for name, walker, _ in scene.components(PathWalker)}
-        self._walk = Shown((PERSON, ALONG, SPEED, OPENED, TAPPING, STOPPED))
+        self._walk = Shown((PERSON, ALONG, SPEED, OPENED, TAPPING, STOPPED, LOOKS))
         figures = {}
         for name, walker in walkers.items():
             ahead, own = (-1.0, lambda: self._walk[PERSON]) if name == spec.person else (1.0, None)
@@ -138,7 +138,7 @@ class CityWalk(TouchScene):
         opened = self._walk[OPENED]
         for number, obstacle in self._obstacles:
             obstacle.open(opened[number] if opened else 0.0)
-        self._turn_camera(float(snapshot.hip_world[0] - self._start[0]))
+        self._turn_camera(float(snapshot.hip_world[0] - self._start[0]) if self._walk[LOOKS] else 0.0)
 
     def aim(self, snapshot: HapticSnapshot) -> Aim | None:
         """Return where the hand of a simulated person stays, and a touch of the obstacle that is in the way.

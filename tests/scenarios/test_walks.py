@@ -71,7 +71,10 @@ def test_the_six_views_are_the_first_cameras(name: str) -> None:
     ],
 )
 def test_the_sounds_of_table_1_are_played_in_time(tmp_path: Path, name: str, sounds: set[str]) -> None:
-    sections = {"canyon_walk": {"sections": {"begin": {"begin": 16.0, "end": 40.0}}}, "soccer": {"skill": 1.0}}
+    sections: dict[str, dict[str, object]] = {
+        "canyon_walk": {"sections": {"begin": {"begin": 16.0, "end": 40.0}}},
+        "soccer": {"skill": 1.0},
+    }
     section = sections.get(name, {})
     report = write_sound(
         RunSettings(_changed(tmp_path, name, **section)), tmp_path / "walk.wav", 6.0 if name == "city_walk" else 14.0
@@ -148,6 +151,19 @@ def test_legs_in_the_gait_orthosis_walk_the_shipped_scene() -> None:
     natural = 9.0 * 2.0 * natural_cadence(0.4, 1.75)
     assert natural - 3.0 <= result["steps"] <= natural + 1.0, "a step of a foot a cycle, not two"
     assert result["symmetry"] > 0.9
+
+
+def test_a_foot_of_the_orthosis_does_not_turn_the_eyes_in_the_city() -> None:
+    """By hand the point of contact looks about; in the orthosis it is a foot, which swings."""
+    with mimics.open("city_walk", device="lokomat:sim", record=False) as session:
+        session.step_until(lambda s: s.orders.person_may_act)
+        feet, gaze = [], []
+        for _ in range(110):
+            session.step()
+            feet.append(session.state["hip_world"][0, 0])
+            gaze.append(session.world.cameras[0].world_from_eye[0, 2])
+    assert np.ptp(feet) > 0.03, "the foot has moved"
+    assert np.ptp(gaze) < 1e-6
 
 
 @pytest.mark.slow

@@ -34,7 +34,7 @@ from mimics_app.world.components.walking import PathWalker
 if TYPE_CHECKING:
     from mimics_app.world.files.scene.scene import Scene
 
-__all__ = ["ALONG", "KIND", "OPENED", "SPEED", "STOPPED", "TAPPING", "CityWalkPlay", "CityWalkSpec"]
+__all__ = ["ALONG", "KIND", "LOOKS", "OPENED", "SPEED", "STOPPED", "TAPPING", "CityWalkPlay", "CityWalkSpec"]
 
 ALONG = Feature("walk.along", 0.0)
 """Way of the person along the path [m]."""
@@ -46,6 +46,8 @@ TAPPING = Feature("walk.tapping", (-1.0, 0.0))
 """Foot that touches an obstacle by hand: share of the touch that is over, below 0 for none, and the ankle ahead [m]."""
 STOPPED = Feature("walk.stopped", False)
 """Whether an obstacle is in the way of a person who walks by hand."""
+LOOKS = Feature("walk.looks", True)
+"""Whether the hand looks about; it does not where a foot of an orthosis is the point of contact, nor in a room."""
 _NAMES = {
     "kerb": phrase("A kerb"),
     "box": phrase("A box"),
@@ -170,6 +172,7 @@ class CityWalkPlay(KindPlay):
             OPENED: self._obstacles.opened,
             TAPPING: self._obstacles.swing,
             STOPPED: self._stopped and self._orthosis is None,
+            LOOKS: self._orthosis is None and self._spec.room_gain is None,
         }
 
     @property
