@@ -143,6 +143,16 @@ def test_what_is_felt_or_named_by_the_task_stands_out_of_a_scene_without_roles(n
     assert all(contrast(shown(material.base_colour), white) >= 5.0 for material in shown_in.values())
 
 
+@pytest.mark.parametrize(
+    ("name", "pressed"), [("lokomat_wall", "wall"), ("lokomat_obstacle", "wall"), ("springs_and_magnets", "spring")]
+)
+def test_what_is_felt_without_a_haptic_object_stands_out(name: str, pressed: str) -> None:
+    scene = read_requested(RunSettings(root() / "scenes" / "examples" / f"{name}.json", high_contrast=True))
+    (named,) = (mesh.material for entity, mesh, _ in scene.components(MeshComponent) if entity == pressed)
+    material = scene.materials[str(named)]
+    assert material.technique == "unlit" and contrast(shown(material.base_colour), (0.0, 0.0, 0.0)) >= LEAST
+
+
 def test_a_scene_that_a_program_opens_has_it_as_that_scene_says() -> None:
     for high in (True, False):
         with mimics.open("wavy_tunnel", record=False, high_contrast=high) as session:
