@@ -26,6 +26,7 @@ from mimics_app.tasks.kinds.city_walk.kind import Walked
 from mimics_app.tasks.scene_section import check_section, task_of
 from mimics_app.tasks.score import trial_points
 from mimics_app.tasks.task import DeviceTask, MapSpec, ParameterSpec
+from mimics_app.tasks.walking.encouragement import Encouragement
 from mimics_app.world.components.follow import Follow
 from mimics_app.world.components.robot import Robot
 from mimics_app.world.components.visible import CameraComponent
@@ -246,6 +247,14 @@ def test_who_leans_over_the_edge_hears_what_to_do() -> None:
     seen.hip_world = (0.0, 0.1, 0.0)
     play.travel(seen, 1.0 / 60.0)  # type: ignore[arg-type]
     assert play.prompt == "Never mind. You are back on the beam: breathe, then raise the hand"
+
+
+def test_who_falls_back_behind_a_mark_is_not_encouraged_for_it_again() -> None:
+    encouragement, said = Encouragement(), list[str]()
+    for progress in [0.4] * 3 + [0.51] * 300 + [0.49] * 300 + [0.51] * 300 + [0.91] * 30 + [0.89] * 300:
+        encouragement.follow(progress, 1.0 / 60.0)
+        said += [encouragement.words] if encouragement.words not in said[-1:] else []
+    assert said == ["", "Half the way is done: well walked", "", "Nearly there: a few more steps", ""]
 
 
 def test_who_walks_in_a_room_is_not_told_of_a_hand() -> None:

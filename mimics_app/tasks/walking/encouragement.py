@@ -23,12 +23,13 @@ class Encouragement:
     """
 
     def __init__(self) -> None:
-        self._newest, self._since = "", 0.0
+        self._newest, self._since, self._farthest = "", 0.0, 0.0
         self.words = ""
 
     def follow(self, progress: float, seconds: float) -> None:
-        """Take the share of the way that is done, 0 to 1, after a time step [s]."""
-        due = next((words for share, words in _AT if progress >= share), "")
+        """Take the share of the way that is done, 0 to 1, after a time step [s]; who falls back hears nothing twice."""
+        self._farthest = max(self._farthest, progress)
+        due = next((words for share, words in _AT if self._farthest >= share), "")
         self._since = 0.0 if due != self._newest else self._since + seconds
         self._newest = due
         self.words = due if self._since < _SAID_S else ""
