@@ -10,9 +10,10 @@ import pytest
 
 from mimics_app.app.study.page import write_page
 from mimics_app.app.study.subjects import SubjectRun, find_run
-from mimics_app.app.study.tables import read_study
+from mimics_app.app.study.tables import StudyTable, read_study
 from mimics_app.contracts.system.language import speaking
 from mimics_app.recording.trial_table import table_text
+from mimics_app.tasks.kinds.avatar_cord.observations import TAPS
 
 TIMES = {"time_s": "3.14159", "contacts": "2", "smoothness": "", "begin_ns": "7"}
 
@@ -52,6 +53,14 @@ def test_a_distance_has_its_caption_and_its_unit(tmp_path: Path) -> None:
     ):
         assert f"<th>{head}</th>" in page and f">{cell}</td>" in page, head
     assert "<th>Neben der Linie</th>" in page and ">13 mm (1,41 mm)</td>" in page and '<html lang="de">' in page
+
+
+def test_a_table_of_a_kind_is_in_the_language_of_the_page(tmp_path: Path) -> None:
+    tap = {"condition": "a", "seen_display_ns": 12_500_000, "seen_scheduled_ns": 0}
+    with speaking("de"):
+        write_page(tmp_path / "study.html", "cord", [], [], {"taps": StudyTable(TAPS, [tap])})
+    page = (tmp_path / "study.html").read_text(encoding="utf-8")
+    assert "<td>a</td><td>1</td><td>12,50</td><td>12,50</td>" in page and "<th>Bedingung</th>" in page
 
 
 def test_the_page_has_the_title_of_the_scene(tmp_path: Path) -> None:
