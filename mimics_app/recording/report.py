@@ -24,6 +24,7 @@ from mimics_app.plotting.plot import Plot
 from mimics_app.recording.attempts import Attempt, find_attempts
 from mimics_app.recording.columns import row_norms
 from mimics_app.recording.json_text import indented_json
+from mimics_app.recording.orthosis_residual import residual_torques
 from mimics_app.recording.report_figures import draw_path, draw_states, draw_traces
 from mimics_app.recording.report_front import Front, front_of
 from mimics_app.recording.report_gait import draw_gait
@@ -331,8 +332,16 @@ def _cards(run: Run, attempts: list[Attempt], section: ReportSection) -> dict[st
         section.path_error: one(scaled(task.get("path_error_m"), 1000.0), "mm"),
         section.contacts: shown(task.get("contacts")),
         phrase("largest force felt"): one(float(max(forces, default=0.0)) or None, "N"),
+        **_resistance(run),
         phrase("safety stops"): shown(_stops_and_holds(run)["safety stops"]),
     }
+
+
+def _resistance(run: Run) -> dict[str, str]:
+    """Return what an orthosis leaves of its resistance to legs that swing freely; {} for any other run."""
+    names = {"hip": phrase("orthosis resists at the hips"), "knee": phrase("orthosis resists at the knees")}
+    rms = residual_torques(run)
+    return {names[joint]: f"{max(rms[joint]):.1f} N m" for joint in rms}
 
 
 def _largest_force(attempt: Attempt) -> float:

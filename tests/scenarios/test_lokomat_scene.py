@@ -14,9 +14,12 @@ from mimics_app.app.session.preparation import prepare_scene
 from mimics_app.app.settings import RunSettings
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.resources import root
+from mimics_app.recording.run import Run
+from mimics_app.rendering.haptic.descriptors.segments import segments_of
 from mimics_app.rendering.haptic.devices.simulated_lokomat import PLANT, SETTINGS
 from mimics_app.rendering.haptic.kernels.lokomat import gait_person, linkage, orthosis, treadmill
 from mimics_app.world.components.robot import Robot
+from tests.support.command import mimics as command
 from tests.support.core_play import change_component
 
 SWING = root() / "scenes" / "examples" / "lokomat_free_swing.json"
@@ -35,23 +38,47 @@ def _changed(folder: Path, robot: dict, patient: dict) -> Path:
     return file
 
 
-def test_both_legs_swing_down_and_come_to_hang():
+@pytest.fixture(scope="module")
+def swung(tmp_path_factory: pytest.TempPathFactory) -> tuple[Run, dict]:
+    """A run of the scene for 10 s, and the answer to the terminal."""
+    runs = tmp_path_factory.mktemp("runs")
+    answer = json.loads(command("run", SWING, "--headless", "--seconds", 10, "--runs", runs, "--json").stdout)
+    return Run.open(Path(answer["run_dir"])), answer
+
+
+def test_the_result_says_how_much_the_orthosis_resists_to_legs_that_swing(swung: tuple[Run, dict]) -> None:
+    """What the rods exert beyond the weight of the parts of the orthosis, which this test takes from its pendulums."""
+    run, answer = swung
+    samples = run.haptic[run.haptic["state"] == SafetyState.ACTIVE]
+    hip, knee = samples["q"][:, 0:4:2], samples["q"][:, 1:4:2]
+    assert np.ptp(hip, axis=0).min() > 0.3 and np.ptp(knee, axis=0).min() > 0.5, "both legs swing"
+    own = segments_of(1.75, 75.0)
+    thigh, shank = 9.81 * SETTINGS["thigh_orthosis"], 9.81 * SETTINGS["shank_orthosis"]
+    lower = -shank * own.coms[1] * np.sin(hip - knee)
+    upper = (thigh * own.coms[0] + shank * own.thigh) * np.sin(hip) - lower
+    for joint, weight, name in ((0, upper, "hip"), (1, lower, "knee")):
+        felt = -samples["torque_meas"][:, joint:4:2] - weight
+        told = answer["residual_torque_nm"][name]
+        assert np.sqrt(np.mean(felt**2, axis=0)) == pytest.approx(told, rel=0.01)
+    assert f"{max(answer['residual_torque_nm']['hip']):.1f} N m" in Path(answer["report"]).read_text(encoding="utf-8")
+
+
+def test_a_foot_that_has_arrived_stays_ready_whatever_its_encoders_flicker(swung: tuple[Run, dict]) -> None:
+    state = swung[0].haptic["state"].astype(int)
+    begun = state[np.flatnonzero(np.diff(state, prepend=-1))].tolist()
+    came_up = [SafetyState.INIT, SafetyState.HOMED, SafetyState.READY]
+    assert begun[:3] == came_up and begun[-2:] == [SafetyState.READY, SafetyState.ACTIVE] and len(begun) <= 6
+
+
+def test_the_drawn_drive_is_the_simulated_one():
     with mimics.open(SWING, record="memory") as session:
-        session.step(7.0)
-    samples = session.haptic
-    assert samples["state"].max() == SafetyState.ACTIVE
-    active = np.asarray(samples["state"]) == SafetyState.ACTIVE
-    q = samples["q"][active]
-    assert np.all(samples["torque_command"][active] == 0.0), "zero force is asked for"
-    assert np.all(np.diff(q[[0, -1], 1:4:2], axis=0) < -0.1), "both knees swing down"
-    assert np.abs(samples["dq"][-1, :4]).max() < 0.01
+        session.step(4.0)
+    q = session.haptic["q"]
     for number, (side, name) in enumerate((side, name) for side in ("left", "right") for name in ("hip", "knee")):
         pivot, lever = (session.world.find(f"{side}_{name}_{end}").world_matrix() for end in ("pivot", "lever"))
         link = np.array([*(SETTINGS[f"{name}_{what}"] for what in ("fixed_arm", "moved_arm", "offset")), -1.0])
         shaft = linkage.eta_of(link, float(q[-1, number]))
-        assert np.linalg.norm((lever - pivot)[:3, 3]) == pytest.approx(shaft, abs=1e-3), (
-            "the drawn drive is the simulated one"
-        )
+        assert np.linalg.norm((lever - pivot)[:3, 3]) == pytest.approx(shaft, abs=1e-3)
 
 
 def test_the_belt_runs_with_the_reference_and_stands_before_it(tmp_path: Path):

@@ -137,7 +137,9 @@ def test_the_recording_is_replayed_bit_for_bit(folder: Path) -> None:
 
 def test_the_recording_names_the_columns_of_its_controller(folder: Path) -> None:
     assert [name for name, _ in Run.open(folder).layout.extent.numbers] == [
-        f"{leg}_{name}" for leg in LEGS for name in ("x_real", "x_des", "f_x", "eta_1", "eta_2", "guidance")
+        f"{leg}_{name}"
+        for leg in LEGS
+        for name in ("x_real", "x_des", "f_x", "eta_1", "eta_2", "guidance", "hip_residual", "knee_residual")
     ]
 
 

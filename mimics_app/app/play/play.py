@@ -29,7 +29,9 @@ from mimics_app.contracts.errors import DeviceError, MimicsError, PartialDataErr
 from mimics_app.contracts.loop.haptic import SafetyState
 from mimics_app.contracts.system.phrases import phrase
 from mimics_app.recording.manifest import Manifest
+from mimics_app.recording.orthosis_residual import residual_torques
 from mimics_app.recording.report import write_report
+from mimics_app.recording.run import Run
 from mimics_app.recording.run_folder import private_files
 from mimics_app.rendering.visual.surfaces.surface import Place, Surface
 from mimics_app.tasks.kinds.registry import report_sections
@@ -93,6 +95,7 @@ def play(settings: RunSettings, *, as_json: bool, read: Scene | None = None) -> 
     pictures, all_written = _pictures(album)
     report, whole = _report(session, manifest)
     answer = {**summary, "state_hash": manifest.state_hash, "report": str(report or ""), "pictures": pictures}
+    answer |= _resistance(session)
     if session.film is not None:
         answer["video"] = session.film
     if as_json:
@@ -116,6 +119,12 @@ def _pictures(album: Album | None) -> tuple[list[Path], bool]:
     except OSError as error:
         sys.stderr.write(f"mimics: {error.filename}: {error.strerror}; the recording is complete without it\n")
         return [file for file in album.files if file.exists()], False
+
+
+def _resistance(session: Session) -> dict[str, object]:
+    """Return what a gait orthosis resisted to legs that swung freely; {} for any other run."""
+    rms = residual_torques(Run.open(session.folder))
+    return {"residual_torque_nm": rms} if rms else {}
 
 
 def _report(session: Session, manifest: Manifest) -> tuple[Path | None, bool]:

@@ -30,7 +30,7 @@ def summary_lines(answer: Mapping[str, Any]) -> list[str]:
     task = answer["task"]
     lines = [("task", _trials(task)), *_practice(task), *_path(task), ("carried", _of_practice(task, _carried(task)))]
     lines += [("touch", _touch(answer)), ("link", _link(answer.get("link", {}))), ("safety", _safety(answer["safety"]))]
-    lines += [("run", answer["run_dir"])]
+    lines += [("orthosis", _resistance(answer.get("residual_torque_nm", {}))), ("run", answer["run_dir"])]
     lines += [("picture", str(picture)) for picture in answer["pictures"]]
     lines += [("film", str(answer.get("video", ""))), ("report", answer["report"])]
     return [f"{name:9} {text}" for name, text in lines if text]
@@ -99,6 +99,12 @@ def _touch(answer: Mapping[str, Any]) -> str:
         return f"simulated {answer['simulated_s']:.1f} s; {state}"
     late = f"{answer['missed'] or 'none'} of {answer['ticks']:,} control cycles late"
     return f"{answer['simulated_s']:.1f} s; {late}; {state}"
+
+
+def _resistance(rms: Mapping[str, tuple[float, float]]) -> str:
+    """Return what legs that swing freely feel of a gait orthosis, root mean square; "" for any other run."""
+    joints = [f"{left:.1f} N m at the left {joint}, {right:.1f} at the right" for joint, (left, right) in rms.items()]
+    return f"resists by {'; '.join(joints)} (RMS)" if joints else ""
 
 
 def _link(link: Mapping[str, Any]) -> str:

@@ -72,6 +72,7 @@ from mimics_app.rendering.haptic.kernels.two_link import (
     THIGH_INERTIA,
     THIGH_LENGTH,
     THIGH_MASS,
+    weight,
 )
 
 if TYPE_CHECKING:
@@ -167,16 +168,20 @@ PARAMETERS = (
     _WIDTH, _FROZEN, _OUTLINE_X, _OUTLINE_Z, _BACKLASH, _ENCODER_STEP, _FROZEN_SENSOR,
 ) = places_of(PARAMETERS)  # fmt: skip
 
-_OF_A_LEG = (("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1"))
+_OF_A_LEG = (
+    *(("x_real", "m"), ("x_des", "m"), ("f_x", "N"), ("eta_1", "m"), ("eta_2", "m"), ("guidance", "1")),
+    *(("hip_residual", "N m"), ("knee_residual", "N m")),
+)
 """Columns of a leg (D2.1 4.3): measured and desired foot and force of the hard object, forward; shaft lengths of hip
-and knee; share of the guidance, the gait state's times the reference's at the hip."""
+and knee; share of the guidance, the gait state's times the reference's at the hip; torques of the rods on hip and knee
+beyond the weight of the orthosis."""
 
 COLUMNS = tuple(ControllerColumn(f"{leg}_{name}", unit) for leg in ("left", "right") for name, unit in _OF_A_LEG)
 """Columns of both controllers."""
 
 _COLUMNS_OF_A_LEG = len(_OF_A_LEG)
-_X_REAL, _X_DES, _F_X, _ETA, _GUIDANCE = 0, 1, 2, 3, 5
-"""Places among the columns of a leg; of both shafts one behind the other."""
+_X_REAL, _X_DES, _F_X, _ETA, _GUIDANCE, _RESIDUAL = 0, 1, 2, 3, 5, 6
+"""Places among the columns of a leg; of both joints one behind the other."""
 
 _CALLED_LEGS = ("", " left", " right")
 """Legs for which a person may call an obstacle, as its name ends: the scene's, or the named one."""
@@ -387,8 +392,10 @@ def _far_side(called: int, parameters: Vec) -> float:
 def _write_columns(settings: LegSettingsRecord, own: LegInputRecord, state: LegStateRecord, numbers: Vec) -> None:
     """Write the columns of a leg."""
     numbers[_X_REAL], numbers[_X_DES], numbers[_F_X] = state.x_real[0], state.x_des[0], state.f_x[0]
+    numbers[_RESIDUAL], numbers[_RESIDUAL + 1] = weight(settings.load.links, own.q[0], own.q[1])
     for joint in range(2):
         numbers[_ETA + joint] = eta_of(settings.frame.links[joint], own.q[joint])
+        numbers[_RESIDUAL + joint] = -own.torque[joint] - numbers[_RESIDUAL + joint]
     numbers[_GUIDANCE] = own.guidance[0]
 
 
