@@ -129,6 +129,9 @@ _ROUNDING = 1e-13
 _ARRIVED_SPEED = 5e-3
 """Largest speed of a point that has arrived [m/s]."""
 
+_LEFT_DISTANCE, _LEFT_SPEED = 2e-3, 25e-3
+"""Beyond these [m, m/s] a point that had arrived has left: one step of a coarse encoder at a foot is 20 mm/s."""
+
 
 @kernel
 def _find_velocities(kin: Kin, scene: SceneRecord, states: Table[StateRecord], dq: Vec) -> None:
@@ -273,8 +276,9 @@ def _drive_to_target(kin: Kin, scene: SceneRecord, states: Table[StateRecord], d
 
 @kernel
 def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> None:
-    """Set state.arrived: a controller drives, and every point is within 1 mm of its target and slower than 5 mm/s."""
+    """Set state.arrived: a controller drives, and every point is at its target and slow, or still near it and slow."""
     state, work = states[0], states[0].joint_work
+    distance, speed = (_LEFT_DISTANCE, _LEFT_SPEED) if state.arrived == 1 else (_ARRIVED_DISTANCE, _ARRIVED_SPEED)
     state.arrived = 0
     if not drives_to_target(scene):
         return
@@ -286,7 +290,7 @@ def note_arrival(kin: Kin, scene: SceneRecord, states: Table[StateRecord]) -> No
     for c in range(scene.contacts):
         for i in range(3):
             state.work_a[i] = work.place[3 * c + i] - states[c].hip[i]
-        if not (norm(state.work_a) < _ARRIVED_DISTANCE and norm(states[c].v) < _ARRIVED_SPEED):
+        if not (norm(state.work_a) < distance and norm(states[c].v) < speed):
             arrived = 0
     state.arrived = arrived
 
