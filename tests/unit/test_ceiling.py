@@ -163,7 +163,12 @@ def test_the_launcher_says_so_on_the_card_of_a_scene():
     limits = {card.scene.stem: card.limits for card in launcher_cards(Path("none"))}
     assert limits["kicking"] == "beyond the usual limits: force_limit 80 N, velocity_limit 2.5 m/s"
     assert limits["lokomat_wall"] == "beyond the usual limits: force_limit 80 N"
-    assert {name for name, text in limits.items() if text} == {"kicking", "lokomat_obstacle", "lokomat_wall"}
+    assert {name for name, text in limits.items() if text} == {
+        "kicking",
+        "lokomat_free_swing",
+        "lokomat_obstacle",
+        "lokomat_wall",
+    }
 
 
 def test_two_programs_that_set_ceilings_at_once_lose_none() -> None:
