@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from mimics_app.app import cli
 from mimics_app.app.scenes.fitted_scene import FITTED, fitted
 from mimics_app.app.scenes.loading import load_checked_scene
 from mimics_app.app.scenes.person_edit import FitFile, PersonEdit, read_fit
-from mimics_app.app.study.studies import usual_study
+from mimics_app.app.study.studies import fit_of_code, usual_study
 from mimics_app.app.study.study_folder import StudyFolder
 from mimics_app.app.study.study_runs import play_next
 from mimics_app.contracts.commands.vocabulary import LOUDEST, Volume, read_command, write_command
@@ -149,6 +150,14 @@ def test_config_shows_each_number_with_its_source(tmp_path: Path, capsys: pytest
     shown = [each for each in json.loads(capsys.readouterr().out)["settings"] if each["section"] == "fitted"]
     assert {each["name"] for each in shown} == {"paths", "squeeze", "text", "volume"}
     assert {each["origin"] for each in shown} == {"calibration run_7"}
+
+
+def test_runs_of_a_participant_that_begin_at_once_are_all_fitted(tmp_path: Path) -> None:
+    study = usual_study(tmp_path)
+    study.write_calibration(study.find_or_add("P07"), 1, calibration())
+    with ThreadPoolExecutor(2) as two:
+        found = set(two.map(lambda _: fit_of_code("P07", tmp_path / "runs"), range(40)))
+    assert found == {tmp_path / "participants" / "sub-P07" / "fit.json"}
 
 
 def test_a_participant_is_fitted_unless_told_not_to(

@@ -16,6 +16,7 @@ from mimics_app.app.study.study_runs import CALIBRATION
 from mimics_app.app.terminal.participant import why_no_code
 from mimics_app.contracts.errors import MimicsError
 from mimics_app.contracts.messages.calibration_record import newest_of
+from mimics_app.contracts.system.alone import alone_in
 from mimics_app.recording.calibrations import calibration_of
 from mimics_app.recording.event_log import to_json
 from mimics_app.recording.history import played_by
@@ -117,7 +118,8 @@ def _in_studies(code: str, folder: Path) -> Path | None:
         if kept and study.protocol.fitting.on:
             file = study.folder_of(person) / _FIT
             newest = newest_of([calibration for _, calibration in kept])
-            write_atomically(file, to_json(msgspec.to_builtins(FitFile(newest, study.protocol.fitting))))
+            with alone_in(study.path):  # each run of a participant writes it
+                write_atomically(file, to_json(msgspec.to_builtins(FitFile(newest, study.protocol.fitting))))
             return file
     return None
 
