@@ -201,7 +201,7 @@ install_into_venv() { # the command of an installer: uv pip install ..., or pyth
 
 with_uv() {
     have_uv || return 1
-    [ -x "$vpython" ] || uv venv --quiet --python "${python:-$(uv_range)}" "$venv" || return 1
+    [ -x "$vpython" ] || uv venv --quiet --seed --python "${python:-$(uv_range)}" "$venv" || return 1
     install_into_venv uv pip install --python "$vpython" &&
         uv pip install --python "$vpython" --no-deps --no-build-isolation -e .
 }
