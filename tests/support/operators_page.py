@@ -47,12 +47,21 @@ def served(folder: Path, at: Path = ROOT) -> Iterator[PageAddress]:
             time.sleep(0.02)
         yield address
     finally:
-        page.terminate()
-        page.wait(timeout=20)
+        _end(page)
         if before is None:
             del os.environ["XDG_RUNTIME_DIR"]
         else:
             os.environ["XDG_RUNTIME_DIR"] = before
+
+
+def _end(page: subprocess.Popen[bytes]) -> None:
+    """End a page as Ctrl-C does; one that does not end is killed before the test fails, so that none is left."""
+    page.terminate()
+    try:
+        page.wait(timeout=20)
+    finally:
+        page.kill()
+        page.wait()
 
 
 def answers(address: PageAddress) -> bool:
