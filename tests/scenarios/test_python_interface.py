@@ -32,11 +32,14 @@ PAGE = root() / "docs" / "python.md"
 NOTEBOOK = root() / "examples" / "notebook" / "session_and_analysis.ipynb"
 
 
-def test_the_examples_of_the_page_run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_examples_of_the_page_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     snippets = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     assert len(snippets) >= 10
     assert all(snippet.count("\n") <= 10 for snippet in snippets)
-    names: dict[str, object] = {"runs": tmp_path}
+    names: dict[str, object] = {}
     for snippet in snippets:
         exec(compile(snippet, str(PAGE), "exec"), names)
     assert len(names["rows"]) >= 1  # type: ignore[arg-type]
@@ -72,9 +75,12 @@ def test_a_setting_that_is_none_of_its_words_is_refused(name: str, value: object
         mimics.open("wavy_tunnel", record=False, **{name: value})  # type: ignore[arg-type]
 
 
-def test_the_tour_shows_the_tick_in_which_a_wall_begins_to_push(tmp_path: Path) -> None:
+def test_the_tour_shows_the_tick_in_which_a_wall_begins_to_push(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     page = (root() / "docs" / "guide" / "tour.md").read_text(encoding="utf-8")
-    names: dict[str, object] = {"runs": tmp_path}
+    names: dict[str, object] = {}
     for snippet in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
         exec(compile(snippet, "tour.md", "exec"), names)
     rows = np.array(names["rows"])
