@@ -28,18 +28,21 @@ _TITLES = {
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `mimics run`."""
     add_arguments_of_run(parser)
-    parser.epilog = "Precedence: device, then command line, then scene, then profile, then default."
+    parser.epilog = (
+        "Precedence: device, then command line, then what is kept with the participant, then scene, then profile, "
+        "then default."
+    )
     described = {action.dest: action.help for action in parser._actions if action.help}
     parser.set_defaults(meanings={name: text for name, text in described.items() if text != argparse.SUPPRESS})
 
 
 def run(args: argparse.Namespace) -> int:
     """Prepare the run as `mimics run` would, print its values, and close the device without moving it."""
-    from mimics_app.app.commands.run import check_names, take_participants
+    from mimics_app.app.commands.run import check_names, take_kept_with_participant
 
     check_names(args)
     stated = args.avatar, args.fit
-    take_participants(args)
+    take_kept_with_participant(args)
     kept = {name for name, value in zip(("avatar", "fit"), stated, strict=True) if value is None}
     settings = RunSettings(**{field.name: getattr(args, field.name) for field in fields(RunSettings)})
     from mimics_app.app.session.effective_settings import effective_settings

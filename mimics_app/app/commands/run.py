@@ -276,7 +276,7 @@ def run(args: argparse.Namespace) -> int:
     with JourneyLog(args.journey).reporting():
         check_names(args)
         _check_screen(args)
-        take_participants(args)
+        take_kept_with_participant(args)
     from mimics_app.app.scenes.shipped import is_only_looked_at
 
     if is_only_looked_at(args.scene) and not args.headless:
@@ -296,7 +296,7 @@ def run(args: argparse.Namespace) -> int:
     return _play(settings, as_json=args.json)
 
 
-def take_participants(args: argparse.Namespace) -> None:
+def take_kept_with_participant(args: argparse.Namespace) -> None:
     """Take what is kept with the participant where nothing is stated: the own body, and the calibration."""
     args.avatar = args.avatar or _own_body(args)
     args.fit = args.fit or _own_fit(args)
