@@ -57,11 +57,11 @@ def _shoes(tailor: Tailor, person: Person, bones: Skeleton) -> Piece:
 
 
 _SEWN: Mapping[str, Sewing] = {
-    "shirt": _shirt(3, loose=0.012),
+    "shirt": _shirt(3, loose=0.006),
     "shirt_long": _shirt(_WRIST, loose=0.008),
-    "blouse": _shirt(4, hem=6, neck=18, ease=0.009, loose=0.013),
-    "jersey": _shirt(3, hem=3, ease=0.013, hang=0.95, loose=0.017),
-    "tunic": _shirt(3, hem=1, ease=0.013, hang=0.97, loose=0.014),
+    "blouse": _shirt(4, hem=6, neck=18, ease=0.009, loose=0.008),
+    "jersey": _shirt(3, hem=3, ease=0.013, hang=0.95, loose=0.008),
+    "tunic": _shirt(3, hem=1, ease=0.013, hang=0.97, loose=0.007),
     "trousers": _trousers(_ANKLE, least=0.066),
     "shorts": _trousers(4, least=0.098, ease=0.010, drape=0.0015),
     "skirt": _skirt,
