@@ -317,7 +317,7 @@ without() {
 # PyOpenAL exists as source only, and needs no compiler.
 every_python_has_wheels() {
     for version in 3.11 3.12 3.13 3.14; do
-        uv pip install --quiet --dry-run --target .pins-wheels --python-version $version --only-binary :all: \
+        uv pip install --quiet --dry-run --target build/wheels-of-pins --python-version $version --only-binary :all: \
             --no-binary pyopenal --require-hashes -r requirements.txt -r requirements-test.txt || return 1
     done
 }
