@@ -145,6 +145,11 @@ def test_e_stop_follows_safe_stop_but_not_the_other_way():
     bench.advance(5)
     assert bench.engine.snapshot().state == SafetyState.E_STOP
     assert bench.engine.snapshot().cause == TripCause.STOP_KEY
+    bench = scripted(rows)
+    bench.advance(20)
+    request_stop(bench.memory)
+    causes = bench.advance(60)["cause"]
+    assert np.all(causes == TripCause.STOP_KEY), "the joint that is no number comes too late, in its own tick too"
 
 
 def test_device_fault_latches():

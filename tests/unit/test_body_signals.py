@@ -56,6 +56,18 @@ def test_an_interval_over_a_gap_is_none_in_blocks_of_any_size(gap: str) -> None:
         assert feed(Ecg(1000.0), ecg, block) == events
 
 
+@pytest.mark.parametrize(("begin", "end"), [(20_000, 21_700), (20_000, 26_000), (20_250, 22_750)])
+def test_after_a_gap_the_rhythm_begins_anew(begin: int, end: int) -> None:
+    """No beat is found within the gap, and the first interval that is whole is told."""
+    ecg = body(30, 3)[0]["ecg"]
+    ecg[begin:end] = np.nan
+    beats = [(event.t_s, event.value) for event in feed(Ecg(1000.0), ecg, 20)]
+    assert not [at for at, _ in beats if begin <= 1000.0 * at < end]
+    after = [(at, interval) for at, interval in beats if 1000.0 * at >= end]
+    assert after[0][1] == 0.0
+    assert after[1][1] == pytest.approx(after[1][0] - after[0][0])
+
+
 @pytest.mark.parametrize("kind", [Ecg, Gsr, Emg, Resp])
 def test_what_was_saved_goes_on_to_the_bit(kind: type[Channel], two_minutes: Any) -> None:
     values = two_minutes[0][kind.name]

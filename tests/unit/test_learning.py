@@ -50,6 +50,17 @@ def test_who_does_not_respond_loses_nothing_by_being_measured() -> None:
     assert measured.regret[:, silent].mean() <= 1.02 * alone.regret[:, silent].mean()
 
 
+def test_a_load_that_contradicts_success_is_not_used() -> None:
+    """Load that rises with success says nothing of the demand: the same choices as without any."""
+    policies = [build_policy(name) for name in ("kalman", "kalman_performance")]
+    for policy in policies:
+        policy.begin(np.full(1, 0.5), np.random.default_rng(1))
+        for success, load in [(0.9, 0.8), (0.5, -0.8)] * 10:
+            policy.learn(Outcome(policy.act().demand, *(np.full(1, value) for value in (success, load, 0.05, 0.0))))
+    measured, alone = (float(policy.act().demand[0]) for policy in policies)
+    assert measured == alone
+
+
 def test_a_body_that_ignores_the_task_gives_no_benefit() -> None:
     """Were there a leak from the hidden person to the policy, it would."""
     measured, alone = (play_cohort(POLICIES[n], n=1500, blind=True).mean for n in ("kalman", "kalman_performance"))
@@ -178,18 +189,20 @@ def test_a_veto_leaves_it_alone() -> None:
         assert action is None or "radius" not in action.values
 
 
-def test_a_bandit_learns_what_the_load_asks_for() -> None:
-    def outcome(demand: float, load: float, reward: float) -> Outcome:
-        return Outcome(*(np.array([value]) for value in (demand, TARGET, load, 0.1, reward)))
+def test_a_bandit_takes_load_for_the_opposite_of_success() -> None:
+    """What it has learnt from too much and too little success alone it does under too little and too much load."""
+
+    def outcome(demand: float, performance: float, load: float, reward: float) -> Outcome:
+        return Outcome(*(np.array([value]) for value in (demand, performance, load, 0.1, reward)))
 
     chosen = {}
     for load in (-1.0, 1.0):
         policy = LinUcb(width=0.0)
         policy.begin(np.array([0.5]), np.random.default_rng(1))
         for sign, step in [(1.0, -0.2), (1.0, 0.2), (-1.0, -0.2), (-1.0, 0.2)] * 10:
-            policy.learn(outcome(0.5, sign, 0.3))
-            policy.learn(outcome(0.5 + step, 0.0, -np.sign(sign * step)))  # easier under load pays, harder does not
-        policy.learn(outcome(0.5, load, 0.3))
+            policy.learn(outcome(0.5, TARGET + 0.3 * sign, 0.0, 0.3))
+            policy.learn(outcome(0.5 + step, TARGET, 0.0, np.sign(sign * step)))  # harder after success pays
+        policy.learn(outcome(0.5, TARGET, load, 0.3))
         chosen[load] = float(policy.act().demand[0])
     assert chosen[1.0] < 0.5 < chosen[-1.0]
 

@@ -92,6 +92,23 @@ def test_contacts_in_a_pause_are_none_of_the_travel() -> None:
     assert player.manager.rows[0]["contacts"] == 0
 
 
+def test_a_contact_that_lasts_into_a_pause_ends_with_it() -> None:
+    player = make_player(TASK)
+    player.until("travel")
+    player.step((player.now_ns, EventKind.CONTACT_BEGIN, 2.0))
+    player.step(pressed=("p",))
+    before = player.now_ns
+    for _ in range(50):
+        player.step()
+    paused_s = (player.now_ns - before) / 1e9
+    player.step((player.now_ns, EventKind.CONTACT_END, 2.0))
+    player.step(pressed=("p",))
+    player.until("finished")
+    row = player.manager.rows[0]
+    assert row["contacts"] == 1
+    assert row["contact_time_s"] < 0.2 * paused_s
+
+
 def test_a_stop_ends_the_pause_and_is_not_paused_itself() -> None:
     player = make_player(TASK)
     player.until("travel")
