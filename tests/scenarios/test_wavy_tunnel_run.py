@@ -198,7 +198,7 @@ def bend_to_a_hairpin(document: dict[str, Any]) -> None:
 
 def lose_a_texture(document: dict[str, Any]) -> None:
     document["assets"]["planks"] = {"uri": "no_such_planks.png"}
-    document["materials"] = {"planks": {"base_texture": "planks"}}
+    document.setdefault("materials", {})["planks"] = {"base_texture": "planks"}
 
 
 def let_the_task_fold_the_walls(document: dict[str, Any]) -> None:
