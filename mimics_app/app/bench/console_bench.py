@@ -55,7 +55,7 @@ def measure_console(scene: Path, stops: int, rounds: int, say: Callable[[str], N
 
     Args:
         scene: Scene of the sessions.
-        stops: Number of times STOP is pressed, half of them while attackers hold both servers.
+        stops: Number of times STOP is pressed, half of them, rounded up, while attackers hold both servers.
         rounds: Number of pairs of sessions with and without clients; the median of their ratios is shown.
         say: Shows progress.
     """
@@ -69,9 +69,9 @@ def measure_console(scene: Path, stops: int, rounds: int, say: Callable[[str], N
                 say("rate of the page and cost of its server")
                 rate, share = _watch(page)
                 say(f"{stops} presses of STOP")
-                free = _press_many(page, stops - stops // 2)
+                free = _press_many(page, (stops + 1) // 2)
                 with _attackers(page):
-                    attacked = _press_many(page, stops // 2)
+                    attacked = _press_many(page, (stops + 1) // 2)
                 tried, refused = _attacks(page)
             stopped_ns = _stopped_ns(max(Path(folder).glob("*_*"), key=lambda run: run.stat().st_mtime_ns))
     return {
