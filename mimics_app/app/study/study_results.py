@@ -110,8 +110,8 @@ def changes_of(trials: Sequence[Row], measures: Sequence[str]) -> list[Change]:
 
 def title_of(study: StudyFolder, condition: str) -> str:
     """Return the title of a condition's scene, where it is a shipped one, else the name of the condition."""
-    known = find_shipped(condition_scene(study, condition).stem)
     stem = condition_scene(study, condition).stem
+    known = find_shipped(stem)
     alone = sum(condition_scene(study, each).stem == stem for each in study.protocol.conditions) < 2
     return known.title if known is not None and alone else condition
 
